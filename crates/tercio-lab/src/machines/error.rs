@@ -54,13 +54,13 @@ pub enum MachineError {
         /// The network.
         found: &'static str,
     },
-    /// Tile engines that make no pairs.
-    #[error("machine \"{machine}\": tile-engine.engines: expected an even number of engines for hybrid sharing, found {found}")]
-    Pairs {
+    /// Its engines or processors cannot share a frame in that way.
+    #[error("machine \"{machine}\": {what}")]
+    Sharing {
         /// Which machine.
         machine: String,
-        /// Its engines.
-        found: u64,
+        /// Why.
+        what: String,
     },
     /// More processors than the machine may have.
     #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]

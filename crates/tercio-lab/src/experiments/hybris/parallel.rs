@@ -67,7 +67,8 @@ fn four_engines() -> Result<Findings, ExperimentError> {
         };
         let one = of(1, Sharing::Tiles)?;
         let a_tile = one.total().triangles as f64 / one.tiles_used.max(1) as f64;
-        let ways: Result<Vec<BackEnd>, _> = WAYS.iter().map(|&(_, engines, sharing)| of(engines, sharing)).collect();
+        let ways: Result<Vec<BackEnd>, _> =
+            WAYS.iter().map(|&(_, engines, sharing)| of(engines, sharing)).collect();
         Ok((a_tile, one, ways?))
     })?;
     let mut table = Table::new(

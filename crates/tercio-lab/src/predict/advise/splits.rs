@@ -96,6 +96,7 @@ mod tests {
         let all = of_ranks(&machine, 1_000_000);
         let can = |s: &&Split| s.ranks <= MOST_BY_FORMULAS && s.processors() == 1_000_000;
         assert!(all.iter().any(|s| s.ranks > MOST_BY_FORMULAS) && all.iter().any(|s| can(&s)));
-        assert!(all.len() < 200, "{}", all.len());
+        // About eight for each of the 16 + 2 * 16 numbers, and whole nodes.
+        assert!(all.len() < 400, "{}", all.len());
     }
 }

@@ -17,7 +17,7 @@ pub struct Limits {
     /// How pictures are composited: only sort-last and sort-twice.
     pub composition: Option<Composition>,
     /// Compares what is seldom the fastest, too, for who has the time: all divisions and, of few ranks, groups of any size and any
-    /// radix; the serial ring, which has the work of a tree in more rounds.
+    /// radix; 2-3 swap, which is binary swap for powers of two; the serial ring, which has the work of a tree in more rounds.
     pub all: bool,
 }
 
@@ -119,8 +119,7 @@ impl Limits {
         }
         if ranks > 2 {
             all.push(Composition::BinarySwap);
-            // Of powers of two that is the same, unless some of the ranks have nothing to composite.
-            if self.all || !ranks.is_power_of_two() {
+            if self.all {
                 all.push(Composition::TwoThreeSwap);
             }
         }
@@ -132,17 +131,18 @@ impl Limits {
     }
 }
 
-/// Radices whose rounds differ from each other: 4 and 8, unless that is direct send; of few ranks all but direct send and binary
-/// swap.
+/// Radices: 4 and 8, unless that is direct send; of few ranks `all` whose rounds differ from these, direct send and binary swap.
 fn radices(ranks: usize, all: bool) -> Vec<u32> {
+    let usual: Vec<u32> = [4, 8].into_iter().filter(|&radix| ranks > radix as usize).collect();
     if !all || ranks > FEW {
-        return [4, 8].into_iter().filter(|&radix| ranks > radix as usize).collect();
+        return usual;
     }
-    let mut found: Vec<(u32, Vec<usize>)> = Vec::new();
+    let mut found: Vec<(u32, Vec<usize>)> =
+        usual.into_iter().map(|radix| (radix, sizes(ranks, radix))).collect();
     for radix in 2..ranks as u32 {
         let rounds = sizes(ranks, radix);
-        let is_other = rounds.len() == 1 || rounds.iter().all(|&size| size == 2);
-        if !is_other && found.iter().all(|(_, known)| *known != rounds) {
+        let is_other = rounds.len() > 1 && rounds.iter().any(|&size| size != 2);
+        if is_other && found.iter().all(|(_, known)| *known != rounds) {
             found.push((radix, rounds));
         }
     }
@@ -166,6 +166,8 @@ fn group_sizes(ranks: usize, all: bool) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use tercio_parallel::composite::{Round, Shared, Touched};
+
     use super::*;
 
     const NONE: Limits = Limits { group: None, division: None, composition: None, all: false };
@@ -203,7 +205,8 @@ mod tests {
                 named.push(Sharing { division, ..Organisation::SortMiddle.into() });
             }
             let radices = (2..=ranks as u32).map(RadixK);
-            for composition in [DirectSend, BinarySwap, TwoThreeSwap, Tree, Ring].into_iter().chain(radices) {
+            let compositions = [DirectSend, BinarySwap, TwoThreeSwap, Tree, Ring].into_iter().chain(radices);
+            for composition in compositions.clone() {
                 named.push(Sharing { composition, ..Organisation::SortLast.into() });
                 for (group, division) in (2..ranks).flat_map(|g| Division::ALL.map(|division| (g, division)))
                 {
@@ -215,18 +218,31 @@ mod tests {
                 assert!(!all[..number].contains(one), "{ranks}: {one:?} twice");
                 assert!(named.contains(one), "{ranks}: {one:?}");
             }
-            let rounds = |one: &Sharing| -> Vec<Vec<tercio_parallel::composite::Round>> {
-                let places: Vec<usize> = (0..ranks).collect();
-                let tiles: Vec<u32> = (0..64).collect();
-                let touched = tercio_parallel::composite::Touched::new(64, (0..ranks).map(|_| |_| true));
-                let shared =
-                    tercio_parallel::composite::Shared { tiles: &tiles, ranks: &places, touched: &touched };
-                places.iter().map(|&place| one.composition.rounds(&shared, place)).collect()
+            // As many tiles as all parts divide evenly: then the same messages have as many tiles, whichever these are.
+            let (tiles, places): (Vec<u32>, Vec<usize>) =
+                ((0..16 * ranks as u32).collect(), (0..ranks).collect());
+            let touched = Touched::new(tiles.len(), (0..ranks).map(|_| |_| true));
+            let shared = Shared { tiles: &tiles, ranks: &places, touched: &touched };
+            let messages = |round: &Round| {
+                let mut sends: Vec<_> = round.sends.iter().map(|(to, tiles)| (*to, tiles.len())).collect();
+                sends.sort_unstable();
+                sends
             };
+            let rounds = |c: Composition| -> Vec<Vec<_>> {
+                places.iter().map(|&p| c.rounds(&shared, p).iter().map(messages).collect()).collect()
+            };
+            let known: Vec<Composition> = Limits::ALL.compositions(ranks);
+            // Which of the candidates' compositions has the rounds of one that can be named.
+            let stands_for: Vec<(Composition, Composition)> = compositions
+                .clone()
+                .map(|named| {
+                    let like = known.iter().find(|&&k| k == named || rounds(k) == rounds(named));
+                    (named, *like.unwrap_or_else(|| panic!("{ranks}: {named}")))
+                })
+                .collect();
             for one in &named {
-                let same = |c: &&Sharing| c.organisation == one.organisation && c.division == one.division;
-                let mut like = all.iter().filter(same);
-                assert!(like.any(|c| c == one || rounds(c) == rounds(one)), "{ranks}: {one:?}");
+                let like = stands_for.iter().find(|(named, _)| *named == one.composition).expect("named").1;
+                assert!(all.contains(&Sharing { composition: like, ..*one }), "{ranks}: {one:?}");
             }
         }
     }

@@ -90,7 +90,7 @@ impl Hybris {
 }
 
 fn text(name: &str, f: &HybrisFrame) -> String {
-    let (c, total) = (f.front_end, f.back_end.total());
+    let c = f.front_end;
     let mut t = format!("{name}\n");
     // Writing into a string cannot fail.
     let _ = writeln!(
@@ -104,16 +104,17 @@ fn text(name: &str, f: &HybrisFrame) -> String {
         c.entries, f.overlap, f.buffers, f.heap_bytes
     );
     // In software there are none.
-    if f.software.is_none() {
+    if let Some((back, seconds)) = f.engines() {
+        let total = back.total();
         let _ = writeln!(
             t,
             "tile engines: {} tiles, {} pixels, {} cycles ({:.2} a triangle), {:.3} ms, imbalance {:.3}",
-            f.back_end.tiles_used,
+            back.tiles_used,
             total.pixels,
-            f.back_end.cycles,
+            back.cycles,
             total.cycles_per_triangle(),
-            f.back_end_seconds * 1e3,
-            f.back_end.imbalance()
+            seconds * 1e3,
+            back.imbalance()
         );
         let names = ["set-up triangle", "draw triangle", "set-up span", "draw span"];
         for (name, s) in names.iter().zip(total.stages) {
