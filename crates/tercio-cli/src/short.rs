@@ -118,7 +118,7 @@ mod tests {
     }
 
     /// What follows "tercio" in the examples of a command and its own commands; without pipes, redirections and remarks.
-    fn examples(command: &clap::Command) -> Vec<String> {
+    fn examples(command: &Command) -> Vec<String> {
         let help = command.get_after_long_help().or(command.get_after_help());
         let help = help.map(ToString::to_string).unwrap_or_default();
         let lines = help.lines().filter_map(|line| line.strip_prefix("  tercio "));
