@@ -117,6 +117,35 @@ mod tests {
         }
     }
 
+    /// What follows "tercio" in the examples of a command and its own commands; without pipes, redirections and remarks.
+    fn examples(command: &Command) -> Vec<String> {
+        let help = command.get_after_long_help().or(command.get_after_help());
+        let help = help.map(ToString::to_string).unwrap_or_default();
+        let lines = help.lines().filter_map(|line| line.strip_prefix("  tercio "));
+        let until = |line: &str, end: &str| line.split(end).next().unwrap_or_default().to_string();
+        let own = lines.map(|line| until(&until(&until(line, "   ("), " | "), " > "));
+        own.chain(command.get_subcommands().flat_map(examples)).collect()
+    }
+
+    #[test]
+    fn all_examples_can_be_typed() {
+        let program = crate::definition();
+        let all = examples(&program);
+        assert!(all.len() > 40, "{all:?}");
+        for example in all {
+            // Every second piece between quotes is one word.
+            let mut words = vec!["tercio".into()];
+            for (number, piece) in example.split('\'').enumerate() {
+                let quoted = number % 2 == 1;
+                let of_piece = if quoted { vec![piece] } else { piece.split_whitespace().collect() };
+                words.extend(of_piece.into_iter().map(OsString::from));
+            }
+            let words = with_command(&program, words.into_iter());
+            let parsed = program.clone().try_get_matches_from(&words);
+            assert!(parsed.is_ok(), "{example}: {}", parsed.err().map(|e| e.to_string()).unwrap_or_default());
+        }
+    }
+
     #[test]
     fn the_definition_is_consistent() {
         crate::definition().debug_assert();

@@ -30,7 +30,7 @@ fn predictions_are_reproducible() {
     for command in [
         "lab predict model.off --size 64x64 --ranks 2",
         "lab predict model.off --size 64x64 --ranks 6 --organisation sort-twice --group 4 --machine server-128 --json",
-        "lab advise model.off --size 64x64 --ranks 16 --machine cluster-64 --network ring",
+        "lab advise model.off --size 64x64 --processors 16 --machine cluster-64 --network ring",
         "lab simulate hybris model.off --size 64x64 --machine hybris-asic-two-engines",
     ] {
         let once = place.run(command).ok_silently();
@@ -46,16 +46,19 @@ fn predictions_are_reproducible() {
 #[test]
 fn advice_searches_threads_and_ranks_with_threads() {
     let place = Place::new();
-    let advice = place.run("lab advise model.off --size 64x64 --ranks 4 --machine server-128").ok_silently();
+    let advice =
+        place.run("lab advise model.off --size 64x64 --processors 4 --machine server-128").ok_silently();
     let text = advice.text();
-    assert!(text.contains("(1, 2, 4 threads, tiles of 8 to 128 pixels)"), "{text}");
-    assert!(text.contains("(ranks x threads 2 x 1, 2 x 2, 4 x 1;"), "{text}");
+    assert!(text.contains("(1, 2, 3, 4 threads, tiles of 8 to 128 pixels)"), "{text}");
+    assert!(text.contains("(ranks x threads 2 x 1, 2 x 2, 3 x 1, 4 x 1;"), "{text}");
     let shared = ["sort-first", "sort-middle", "sort-last", "sort-twice, groups of 2"];
     assert!(shared.iter().all(|how| text.lines().any(|line| line.starts_with(how))), "{text}");
     assert!(text.contains("have no stated uncertainty"), "{text}");
     place
-        .run("lab advise model.off --size 64x64 --ranks 3 --machine two-core-2026")
+        .run("lab advise model.off --size 64x64 --processors 3 --machine two-core-2026")
         .failed(1, &["expected at most 2 processors, found 3"]);
+    // What is limited are processors, not ranks.
+    place.run("lab advise model.off --size 64x64 --ranks 2").failed(2, &["unexpected argument '--ranks'"]);
 }
 
 #[test]

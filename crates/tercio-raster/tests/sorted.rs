@@ -5,7 +5,8 @@ mod common;
 use common::{assert_same, draw, everything, perspective, scene, soup, with_second_instance};
 use tercio_raster::binning::{Numbering, Sorted, SortedError};
 use tercio_raster::context::FrameContext;
-use tercio_raster::{Frame, Part, Renderer, Settings, Sorting, TileSet};
+use tercio_raster::screen::PixelRect;
+use tercio_raster::{Frame, Part, Renderer, SamplePattern, Sampling, Settings, Sorting, TileSet};
 
 const SIZE: (u32, u32) = (211, 157);
 
@@ -112,6 +113,40 @@ fn invalid_bytes_are_refused() {
         }
     }
     assert!(refused > 1_000, "only {refused} alterations were refused");
+}
+
+/// Of every pixel that shows a whole cluster some entry of its tile says so, and there are as many entries as are counted.
+#[test]
+fn the_clusters_of_a_tile_reach_what_it_shows() {
+    let mesh = soup(2_000, 9);
+    let scene = scene(&mesh);
+    let camera = perspective([1.0, 2.0, 9.0], [0.0; 3], 35.0);
+    for pattern in [SamplePattern::Center, SamplePattern::Sparse4] {
+        // No cluster is in so many tiles that it is taken apart.
+        let settings = Settings { sampling: Sampling::of(pattern), ..settings(64, Sorting::Clusters) };
+        let frame = draw(&scene, &camera, &settings);
+        let context = FrameContext::new(&scene, &camera, &settings, 1).unwrap();
+        let (mut renderer, mut sorted) = (Renderer::new(), Sorted::default());
+        renderer.sort(&context, &mut sorted);
+        let (mut entries, mut shown) = (0, 0);
+        for tile in 0..context.grid.count() as u32 {
+            entries += sorted.clusters_of(tile).count() as u64;
+            let own = context.grid.rect(tile, context.size());
+            for (y, x) in (own.y0..own.y1 + 1).flat_map(|y| (own.x0..own.x1 + 1).map(move |x| (y, x))) {
+                let depth = frame.planes.depth[y as usize * SIZE.0 as usize + x as usize];
+                let here = PixelRect { x0: x, x1: x, y0: y, y1: y };
+                let mut reach = sorted.clusters_of(tile).filter(|c| !c.pixels().intersect(here).is_empty());
+                shown += u64::from(depth.is_finite());
+                assert!(!depth.is_finite() || reach.any(|_| true), "pixel {x}, {y}");
+            }
+            for cluster in sorted.clusters_of(tile) {
+                assert!(!cluster.pixels().intersect(own).is_empty(), "an entry of tile {tile} is elsewhere");
+            }
+        }
+        assert_eq!(entries, frame.stats.binning.cluster_entries);
+        assert_eq!(frame.stats.binning.triangles, 0, "none is taken apart, or a pixel might show it");
+        assert!(shown > 10_000, "{shown}");
+    }
 }
 
 #[test]

@@ -233,7 +233,8 @@ impl RanksArgs {
                 ));
             }
             OrganisationName::Auto => {
-                let limits = Limits { group: self.group, division, composition: self.composition()? };
+                let composition = self.composition()?;
+                let limits = Limits { group: self.group, division, composition, all: false };
                 let some = limits.candidates(ranks);
                 some.map_err(|none| UsageError(format!("--organisation auto: {none}")))?;
                 return Ok(How::Auto(limits));
@@ -409,7 +410,7 @@ mod tests {
         let (division, composition) = (Some(Division::Rows), Some(Composition::RadixK(3)));
         assert_eq!(auto("--division rows"), limits(Limits { division, ..Limits::default() }));
         let both = "--division rows --composition radix-k --radix 3 --group 2";
-        assert_eq!(auto(both), limits(Limits { group: Some(2), division, composition }));
+        assert_eq!(auto(both), limits(Limits { group: Some(2), division, composition, all: false }));
         assert_eq!(drawers("--organisation auto", Some(3)), Ok(Drawers::Mpi(How::Auto(Limits::default()))));
         let two = drawers("--ranks 2 --organisation auto --division rows --composition tree", None);
         let error = two.unwrap_err();

@@ -68,6 +68,10 @@ impl Verdict {
             Self::ByConstruction { within } => {
                 format!("An input was chosen so that this comes out. {}", capitalized(within))
             }
+            // Of a model of ours, what fails comes first, and then says itself what agrees.
+            Self::Qualitative { why, agrees } if agrees.starts_with("not so: ") => {
+                format!("{why} {}", capitalized(agrees))
+            }
             Self::Qualitative { why, agrees } => format!("{why} What agrees: {agrees}"),
             Self::Contradicted { why } => capitalized(why),
         }
@@ -77,4 +81,17 @@ impl Verdict {
 fn capitalized(sentence: &str) -> String {
     let mut letters = sentence.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_fails_is_not_among_what_agrees() {
+        let text =
+            |agrees: &str| Verdict::Qualitative { why: "It is ours.".into(), agrees: agrees.into() }.text();
+        assert_eq!(text("a; b."), "It is ours. What agrees: a; b.");
+        assert_eq!(text("not so: a; what agrees: b."), "It is ours. Not so: a; what agrees: b.");
+    }
 }

@@ -29,7 +29,13 @@ impl Wrong {
         for (number, line) in text.lines().enumerate() {
             let trimmed = line.trim_start();
             if let Some(header) = trimmed.strip_prefix('[') {
-                inside = header.split(']').next() == Some(self.section);
+                let name = header.split(']').next().unwrap_or_default();
+                // A number may have a table of its own, as `lab machines` writes them.
+                let of_section = name.strip_prefix(self.section);
+                if of_section.and_then(|rest| rest.strip_prefix('.')) == Some(&self.key) {
+                    return (number + 1, line.len() - trimmed.len() + 1);
+                }
+                inside = name == self.section;
                 section = if inside { number + 1 } else { section };
             } else if inside && trimmed.split('=').next().is_some_and(|k| k.trim() == self.key) {
                 return (number + 1, line.len() - trimmed.len() + 1);

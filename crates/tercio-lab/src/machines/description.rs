@@ -214,8 +214,11 @@ impl Machine {
         p.at_most.as_ref().map_or(p.count.whole(), |most| most.whole().max(p.count.whole()))
     }
 
-    /// The largest number of processors that share a memory.
+    /// The largest number of processors that share a memory: those of a node. Processors of a SIMD machine have one each.
     pub fn most_threads(&self) -> u64 {
+        if self.processors.control == Control::Simd {
+            return 1;
+        }
         self.processors.per_node.as_ref().map_or(self.most_processors(), Sourced::whole)
     }
 

@@ -54,6 +54,14 @@ pub enum MachineError {
         /// The network.
         found: &'static str,
     },
+    /// Its engines or processors cannot share a frame in that way.
+    #[error("machine \"{machine}\": {what}")]
+    Sharing {
+        /// Which machine.
+        machine: String,
+        /// Why.
+        what: String,
+    },
     /// More processors than the machine may have.
     #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]
     TooMany {

@@ -65,6 +65,12 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(clock.starts_with("m.toml:15:1: costs.pixel"), "{clock}");
     let many = error("value = 4", "value = \"99999999999\"");
     assert!(many.starts_with("m.toml:12:1: processors.count: expected at most 1048576"), "{many}");
+    // A number in a table of its own, as `lab machines` writes it.
+    let written =
+        parse("m.toml", SMALL).unwrap().to_toml().unwrap().replacen("value = \"4\"", "value = \"0\"", 1);
+    let line = written.lines().position(|line| line == "[processors.count]").unwrap() + 1;
+    let own = parse("m.toml", &written).unwrap_err().to_string();
+    assert!(own.starts_with(&format!("m.toml:{line}:1: processors.count: expected more than 0")), "{own}");
     let most = error("21 cycles", "1e19 cycles");
     assert!(most.starts_with("m.toml:16:1: costs.pixel: expected at most 1000000 cycles"), "{most}");
     let bytes = error("[costs]", "[bytes]\ndescriptor = { value = \"1e19 B\", source = \"000\" }\n[costs]");
@@ -98,6 +104,17 @@ fn descriptions_have_the_numbers_of_the_documents() {
         + 1411.0 * cost(Operation::Segment)
         + 251_224.0 * cost(Operation::Pixel);
     assert!((seconds - 5_766_526.5 * 300e-9).abs() < 1e-5, "{seconds}");
+}
+
+/// Each processor of a SIMD machine has a memory of its own: none of them are threads.
+#[test]
+fn processors_of_a_simd_machine_share_no_memory() {
+    for name in ["princeton-engine", "magic-1"] {
+        let machine = builtin(name).unwrap().unwrap();
+        assert!(machine.may_share_memory(1).is_ok());
+        let error = machine.may_share_memory(2).unwrap_err().to_string();
+        assert!(error.contains("expected at most 1 processors that share a memory, found 2"), "{error}");
+    }
 }
 
 #[test]

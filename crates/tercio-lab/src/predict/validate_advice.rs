@@ -166,7 +166,8 @@ fn draw(picture: &Picture, candidate: &Candidate, frames: u32) -> Result<f64, Ra
             let settings = Settings { tile_size: Some(region), ..settings.clone() };
             Ok(measure(scene, camera, &settings, threads, frames, Clock::Wall)?.seconds)
         }
-        How::Ranks(sharing) => {
+        How::Ranks { sharing, region } => {
+            let settings = &Settings { tile_size: region.or(settings.tile_size), ..settings.clone() };
             let cameras: Vec<Camera> = vec![*camera; frames.max(1) as usize + WARM_UP];
             let ranks = Ranks { count: ranks, threads, sharing };
             let reports = draw_frames(ranks, scene, &cameras, settings, |_, _| ())?;
@@ -197,7 +198,7 @@ mod tests {
             let numbers = [(1, 1), (1, 2), (2, 1), (3, 1)].map(|(ranks, threads)| {
                 row.drawn.iter().filter(|d| d.candidate.split == Split { ranks, threads }).count()
             });
-            let limits = crate::predict::choose::candidates::Limits::default();
+            let limits = crate::predict::choose::candidates::Limits::ALL;
             let of_ranks = |ranks| limits.candidates(ranks).unwrap().len();
             assert_eq!(numbers, [5, 5, of_ranks(2), of_ranks(3)]);
             assert_eq!(row.drawn.len(), numbers.iter().sum::<usize>());

@@ -31,6 +31,15 @@ pub struct BinnedCluster {
     pub rect: [u16; 4],
 }
 
+impl BinnedCluster {
+    /// The pixels that it may reach.
+    #[inline(always)]
+    pub fn pixels(&self) -> PixelRect {
+        let [x0, x1, y0, y1] = self.rect.map(i32::from);
+        PixelRect { x0, x1, y0, y1 }
+    }
+}
+
 /// The bins that one batch of clusters is sorted into.
 #[derive(Debug, Default)]
 pub struct Bins {
@@ -84,8 +93,7 @@ impl Bins {
     /// Adds a whole cluster to the drawn tiles that may need it.
     #[inline(always)]
     pub fn push_cluster(&mut self, grid: &TileGrid, cluster: BinnedCluster) {
-        let [x0, x1, y0, y1] = cluster.rect.map(i32::from);
-        self.cluster_lists.push_rect(grid, cluster, PixelRect { x0, x1, y0, y1 }, |_| true);
+        self.cluster_lists.push_rect(grid, cluster, cluster.pixels(), |_| true);
         self.clusters += 1;
     }
 

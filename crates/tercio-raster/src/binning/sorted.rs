@@ -115,6 +115,11 @@ impl Sorted {
         found
     }
 
+    /// The clusters that are sorted into a tile as a whole, in the order of the bins.
+    pub fn clusters_of(&self, tile: u32) -> impl Iterator<Item = &BinnedCluster> {
+        self.bins.iter().flat_map(move |bins| bins.clusters_in(tile))
+    }
+
     /// Bytes of the bins that are in use.
     pub(crate) fn bytes_used(&self) -> u64 {
         self.bins.iter().map(Bins::bytes_used).sum()
@@ -140,10 +145,7 @@ impl Sorted {
             };
             let of_bins = |bins: &Bins| {
                 let clusters = bins.clusters_in(tile).iter().filter(|c| context.has_translucency(c.number));
-                let clusters = clusters.map(|c| {
-                    let [x0, x1, y0, y1] = c.rect.map(i32::from);
-                    area(PixelRect { x0, x1, y0, y1 })
-                });
+                let clusters = clusters.map(|c| area(c.pixels()));
                 let triangles = bins.triangles_in(tile);
                 let triangles = triangles.filter(|t| context.has_translucency(t.slot / MAX_TRIANGLES as u32));
                 let [width, height] = context.size();

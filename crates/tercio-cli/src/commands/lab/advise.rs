@@ -19,15 +19,15 @@ use crate::output::write_text;
 
 /// Searches all ways to draw a model on a machine for the fastest, and says why it is.
 ///
-/// Compared are threads of one process, and all splits of 1, 2, 4 ... N processors and of whole nodes into ranks and threads, with
-/// every organisation, division and composition that 'tercio render --organisation auto' chooses among. Each time is shown with
-/// the model that it is from. If the machine has a calibration, it has an interval, too; '=' marks candidates that cannot be told
+/// Compared are threads of one process, and all splits of processors into ranks and threads, with every organisation, division, group
+/// and composition of 'tercio render': of all numbers of processors up to 16, then of powers of two, the middle between two of them,
+/// whole nodes, and N. The output says what is not compared, and why. Each time is shown with the model that it is from. If the machine has a calibration, it has an interval, too; '=' marks candidates that cannot be told
 /// apart from the best one. The simulator of the sorting classes covers its own plans; its figures are comparable with each
 /// other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  tercio lab advise dragon.ply --machine cluster-64 --ranks 1024
+  tercio lab advise dragon.ply --machine cluster-64 --processors 1024
   tercio lab advise builtin:gyroid@2M --machine princeton-engine --size 768x512 --top 10 --json
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
@@ -38,7 +38,7 @@ pub struct Advise {
     machine: MachineArgs,
     /// Processors at most: ranks times threads [default: all of the machine].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
-    ranks: Option<usize>,
+    processors: Option<usize>,
     /// Number of the best plans to list.
     #[arg(long, value_name = "N", default_value_t = 5)]
     top: usize,
@@ -57,19 +57,19 @@ impl Advise {
     pub fn run(&self) -> Result<ExitCode> {
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine()?;
-        let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
-        machine.may_have(ranks)?;
+        let processors = self.processors.unwrap_or(machine.processors.count.whole() as usize);
+        machine.may_have(processors)?;
         let pool = self.running.pool()?;
         let topology = self.machine.topology();
         let (advice, simulated) = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
-            let advice = advise(&machine, &c.picture(), ranks, topology)?;
-            let plans = plans(&machine, ranks, topology);
+            let advice = advise(&machine, &c.picture(), processors, topology)?;
+            let plans = plans(&machine, processors, topology);
             Ok((advice, simulated(&machine, &c.counted.frame, &c.boxes()?, c.size, &plans)?))
         })?;
         let why_not = why_not(&machine);
         let answer =
-            Answer { machine: &machine.name, ranks, advice, simulated, why_not, top: self.top.max(1) };
+            Answer { machine: &machine.name, processors, advice, simulated, why_not, top: self.top.max(1) };
         let text = if self.json { answer.json_text() } else { answer.text() };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
@@ -79,7 +79,7 @@ impl Advise {
 /// What is printed.
 struct Answer<'a> {
     machine: &'a str,
-    ranks: usize,
+    processors: usize,
     advice: Advice,
     simulated: Vec<SimulatedFrame>,
     why_not: Option<Simulated>,
@@ -89,7 +89,7 @@ struct Answer<'a> {
 
 impl Answer<'_> {
     fn json_text(&self) -> String {
-        let Self { machine, ranks, ref advice, ref simulated, why_not, top } = *self;
+        let Self { machine, processors, ref advice, ref simulated, why_not, top } = *self;
         let of_candidate = |c: &Candidate| {
             json!({
                 "plan": c.describe(), "ranks": c.split.ranks, "threads": c.split.threads,
@@ -99,7 +99,7 @@ impl Answer<'_> {
         };
         let of_simulator = |p: &SimulatedFrame| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p });
         let value = json!({
-            "machine": machine, "processors": ranks,
+            "machine": machine, "processors": processors,
             "renderer": {
                 "plans_compared": advice.candidates.len(), "splits_left_out": advice.left_out,
                 "best": advice.candidates.iter().take(top).map(of_candidate).collect::<Value>(),
@@ -115,8 +115,8 @@ impl Answer<'_> {
     }
 
     fn text(&self) -> String {
-        let Self { machine, ranks, ref advice, ref simulated, why_not, top } = *self;
-        let mut text = format!("{machine}, up to {ranks} processors\n");
+        let Self { machine, processors, ref advice, ref simulated, why_not, top } = *self;
+        let mut text = format!("{machine}, up to {processors} processors\n");
         // Writing into a string cannot fail.
         let _ = match why_not {
             Some(reason) => writeln!(text, "no prediction by the models of the renderer: {reason}"),

@@ -56,6 +56,9 @@ fn with_fifos(mut machine: Machine, depth: u32) -> Machine {
     machine
 }
 
+/// What an experiment about tile engines ends with if its machine has none.
+const NO_ENGINES: &str = "the machine has no tile engines";
+
 fn fifos() -> Result<Findings, ExperimentError> {
     let scene = scene(SMALL)?;
     let engines = [
@@ -88,7 +91,8 @@ fn fifos() -> Result<Findings, ExperimentError> {
         let depths: Vec<_> = (0..8).map(|power| 1u32 << power).collect();
         let frames = sweep(&depths, |&d| Ok(simulate(&with_fifos(machine.clone(), d), &scene, sharing)?))?;
         for (depth, frame) in depths.into_iter().zip(frames) {
-            let total = frame.back_end.total();
+            let (back, _) = frame.engines().ok_or(NO_ENGINES)?;
+            let total = back.total();
             let share = |stage: usize, of: u64| {
                 let s = total.stages[stage];
                 100.0 * of as f64 / (s.busy + s.stalled + s.starved).max(1) as f64
@@ -96,12 +100,12 @@ fn fifos() -> Result<Findings, ExperimentError> {
             table.push([
                 name.into(),
                 f64::from(depth).into(),
-                (frame.back_end.cycles as f64).into(),
-                (frame.back_end.cycles as f64 / total.triangles.max(1) as f64).into(),
+                (back.cycles as f64).into(),
+                (back.cycles as f64 / total.triangles.max(1) as f64).into(),
                 share(3, total.stages[3].busy).into(),
                 share(1, total.stages[1].stalled).into(),
             ]);
-            points.push((f64::from(depth), frame.back_end.cycles as f64));
+            points.push((f64::from(depth), back.cycles as f64));
         }
         let (first, last) = (points[0].1, points[points.len() - 1].1);
         comparison.claim(format!("{name}: deeper FIFOs help"), last < first);
@@ -165,15 +169,16 @@ fn asic() -> Result<Findings, ExperimentError> {
     for (cycles, frame) in set_ups.into_iter().zip(frames) {
         let c = frame.front_end;
         let share = c.nodes as f64 / c.triangles as f64;
-        let a_triangle = frame.back_end.cycles as f64 / c.nodes.max(1) as f64;
+        let (back, seconds) = frame.engines().ok_or(NO_ENGINES)?;
+        let a_triangle = back.cycles as f64 / c.nodes.max(1) as f64;
         table.push([
             f64::from(cycles).into(),
             (c.triangles as f64).into(),
             (c.nodes as f64).into(),
             (100.0 * share).into(),
-            (frame.back_end.cycles as f64).into(),
+            (back.cycles as f64).into(),
             a_triangle.into(),
-            (1.0 / frame.back_end_seconds).into(),
+            (1.0 / seconds).into(),
         ]);
         points.push((f64::from(cycles), a_triangle));
     }
@@ -240,14 +245,15 @@ fn bus() -> Result<Findings, ExperimentError> {
     for block in [4096.0, 2e6] {
         let frame = simulate(&with_block(machine.clone(), block), &scene, Sharing::Tiles)?;
         let bus = frame.transfer.ok_or("the machine has a bus")?;
+        let (_, engine_seconds) = frame.engines().ok_or(NO_ENGINES)?;
         frames.push([
             block.into(),
             (bus.bytes as f64).into(),
             (bus.transfers as f64).into(),
             (bus.seconds * 1e3).into(),
-            (frame.back_end_seconds * 1e3).into(),
+            (engine_seconds * 1e3).into(),
         ]);
-        times.push((bus.seconds, frame.back_end_seconds));
+        times.push((bus.seconds, engine_seconds));
     }
     let plot = Plot::new(
         "rates",

@@ -62,11 +62,14 @@ fn four_engines() -> Result<Findings, ExperimentError> {
         let (front, tiles) = front(&scene(&format!("builtin:teapot@{count}"))?, EDGE);
         let fronts = [front];
         let of = |engines, sharing| {
-            run(&fronts, tiles, BackEndSettings { engine, engines, sharing, output: 1024 })
+            let back = run(&fronts, tiles, BackEndSettings { engine, engines, sharing, output: 1024 });
+            back.ok_or_else(|| format!("{engines} engines make no groups for {sharing:?}"))
         };
-        let one = of(1, Sharing::Tiles);
+        let one = of(1, Sharing::Tiles)?;
         let a_tile = one.total().triangles as f64 / one.tiles_used.max(1) as f64;
-        Ok((a_tile, one, WAYS.map(|(_, engines, sharing)| of(engines, sharing))))
+        let ways: Result<Vec<BackEnd>, _> =
+            WAYS.iter().map(|&(_, engines, sharing)| of(engines, sharing)).collect();
+        Ok((a_tile, one, ways?))
     })?;
     let mut table = Table::new(
         "speed-ups",

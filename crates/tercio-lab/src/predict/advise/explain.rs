@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use tercio_parallel::{Composition, Organisation};
 
-use super::splits::{MOST_BY_FORMULAS, Split};
+use super::splits::{EVERY, MOST_BY_FORMULAS, Split};
 use super::{Advice, Candidate, Frame, How};
+use crate::predict::choose::candidates::MANY;
 use crate::predict::choose::parts_of;
 
 /// Splits that are listed; more are counted.
@@ -29,7 +30,7 @@ impl Candidate {
             How::OneProcess { region } => {
                 format!("threads, {threads} of one process, tiles of {region} pixels")
             }
-            How::Ranks(sharing) => {
+            How::Ranks { sharing, region } => {
                 let (group, division, composition) = parts_of(&sharing, ranks);
                 let mut text = sharing.organisation.name().to_string();
                 let mut add = |part: Option<String>| text.extend(part.map(|part| format!(", {part}")));
@@ -39,6 +40,7 @@ impl Candidate {
                     Composition::RadixK(radix) => format!("radix-k of {radix}"),
                     other => other.to_string(),
                 }));
+                add(region.map(|region| format!("tiles of {region} pixels")));
                 format!("{text}, {ranks} ranks of {threads} threads")
             }
         }
@@ -47,7 +49,7 @@ impl Candidate {
     fn class(&self) -> &'static str {
         match self.how {
             How::OneProcess { .. } => "threads",
-            How::Ranks(sharing) => match sharing.organisation {
+            How::Ranks { sharing, .. } => match sharing.organisation {
                 Organisation::SortTwice { .. } => "sort-twice",
                 other => other.name(),
             },
@@ -76,7 +78,7 @@ impl Advice {
     /// Why the first one is the fastest, what was compared, how sure that is, and what limits the best of each other class.
     pub fn explanation(&self) -> Vec<String> {
         let Some(best) = self.candidates.first() else { return Vec::new() };
-        let mut lines = vec![self.why(best), self.searched(), self.how_sure(best)];
+        let mut lines = vec![self.why(best), self.searched(), self.not_searched(), self.how_sure(best)];
         let line = |c: &Candidate| Line { class: c.class(), seconds: c.frame.total(), words: c.describe() };
         let all: Vec<Line> = self.candidates.iter().map(line).collect();
         lines.extend(others(&all, |k| self.candidates[k].parts().to_vec()));
@@ -110,12 +112,15 @@ impl Advice {
     fn searched(&self) -> String {
         let one = |c: &&Candidate| matches!(c.how, How::OneProcess { .. });
         let threads = self.candidates.iter().filter(one).map(|c| c.split.threads);
-        let threads: Vec<_> = threads.collect::<BTreeSet<_>>().iter().map(usize::to_string).collect();
+        let threads: BTreeSet<usize> = threads.collect();
+        let threads = match threads.last() {
+            Some(most) if threads.len() > LISTED => format!("1 to {most}"),
+            _ => threads.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+        };
         let ranks: BTreeSet<Split> = self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
         let of_threads = format!(
-            "compared are {} ways to use threads of one process ({} threads, tiles of 8 to 128 pixels)",
-            self.candidates.iter().filter(one).count(),
-            threads.join(", ")
+            "compared are {} ways to use threads of one process ({threads} threads, tiles of 8 to 128 pixels)",
+            self.candidates.iter().filter(one).count()
         );
         if ranks.is_empty() {
             return of_threads;
@@ -127,16 +132,26 @@ impl Advice {
             let all: Vec<_> = ranks.iter().map(|s| format!("{} x {}", s.ranks, s.threads)).collect();
             format!("ranks x threads {}", all.join(", "))
         };
-        let left_out = match self.left_out {
+        format!(
+            "{of_threads}, and {} ways to share a frame ({list}; every organisation, division, group and composition, of more than 16 \
+             ranks not every group and radix, of more than {MANY} fewer groups and divisions)",
+            self.candidates.iter().filter(|c| !one(c)).count()
+        )
+    }
+
+    /// What was not, and why.
+    fn not_searched(&self) -> String {
+        let of_splits = match self.left_out {
             0 => String::new(),
             n => format!(
-                "; {n} splits of more than {MOST_BY_FORMULAS} ranks are not: the formulas would take too long"
+                "; {n} splits of more than {MOST_BY_FORMULAS} ranks: the formulas would take too long"
             ),
         };
         format!(
-            "{of_threads}, and {} ways to share a frame ({list}; every organisation, division and composition that is a \
-             candidate of --organisation auto, with the tiles that the renderer then chooses){left_out}",
-            self.candidates.iter().filter(|c| !one(c)).count()
+            "not compared are other tiles of ranks than the renderer chooses, except for the best if its ranks are counted: the formulas do \
+             not know what small tiles cost; of more than {EVERY} processors other numbers than powers of two, the middles between them and \
+             whole nodes{of_splits}; --parts: whole models are \
+             counted; --sorting, which is as requested; --simd, --binning and --no-cluster-culling, which serve comparisons"
         )
     }
 

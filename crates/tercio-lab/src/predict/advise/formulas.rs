@@ -70,7 +70,7 @@ pub fn ranks(
     }
     let numbers: BTreeSet<usize> = splits.iter().map(|split| split.ranks).collect();
     let of_ranks = |&ranks: &usize| -> Result<Vec<Candidate>, PredictError> {
-        let sharings = Limits::default().candidates(ranks)?;
+        let sharings = Limits::ALL.candidates(ranks)?;
         let mut sights = Sights::new(picture, ranks);
         let mut found = Vec::new();
         for &split in splits.iter().filter(|split| split.ranks == ranks) {
@@ -80,7 +80,7 @@ pub fn ranks(
             let predicted = sights.predict(&sharings, &stage)?;
             found.extend(predicted.into_iter().map(|p| {
                 let frame = Frame::Formulas { terms: p.terms, sent: p.sent };
-                Candidate { split, how: How::Ranks(p.sharing), frame }
+                Candidate { split, how: How::Ranks { sharing: p.sharing, region: None }, frame }
             }));
         }
         Ok(found)

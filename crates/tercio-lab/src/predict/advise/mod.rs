@@ -4,7 +4,7 @@
 //! frame. Three models predict them, and each candidate says which: threads of one process are counted and charged tile by
 //! tile; ranks come from the [formulas](super::choose) behind `--organisation auto`, with the costs and the network of the
 //! machine; where the best of these is sort-first or sort-last with the usual division and composition, its ranks are counted,
-//! too, and the counted time takes the place of the formula's.
+//! too, and the counted time takes the place of the formula's. Of the best ranks that are counted all sizes of tiles are.
 //!
 //! The simulator of the sorting classes speaks besides, comparable only with its own figures.
 //!
@@ -55,7 +55,12 @@ pub enum How {
         region: u32,
     },
     /// Ranks share the frame.
-    Ranks(Sharing),
+    Ranks {
+        /// How.
+        sharing: Sharing,
+        /// Pixels along the edges of their tiles, if the renderer does not choose them.
+        region: Option<u32>,
+    },
 }
 
 /// A predicted frame of the renderer.
@@ -179,22 +184,44 @@ fn sort(candidates: &mut [Candidate]) {
 /// As many of the best are counted rank by rank, at most: each takes as long as drawing what its ranks draw, one after another.
 const REFINED: usize = 8;
 
-/// Counts the best as long as it is a formula's, and there is a model that counts it.
-fn refine(machine: &Machine, picture: &Picture, candidates: &mut [Candidate]) -> Result<(), PredictError> {
+/// Counts the best as long as it is a formula's, and there is a model that counts it; then, if ranks are the best and nobody
+/// requested tiles, the same ranks with tiles of all sizes. Formulas do not predict those: that clusters are transformed in each
+/// of their tiles is not in them.
+fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>) -> Result<(), PredictError> {
+    let mut best_plan = None;
     for _ in 0..REFINED {
         let Some(best) = candidates.first_mut() else { break };
         let Some(plan) = best.counted() else { break };
         let Ok(frame) = predict(machine, picture, &plan)? else { break };
         best.frame = Frame::Counted(Box::new(frame));
+        best_plan = Some((best.clone(), plan));
         sort(candidates);
     }
+    let Some((counted, plan)) = best_plan.filter(|(counted, _)| candidates.first() == Some(counted)) else {
+        return Ok(());
+    };
+    let Frame::Counted(own) = &counted.frame else { return Ok(()) };
+    if picture.settings.tile_size.is_some() {
+        return Ok(());
+    }
+    for region in TILE_EDGES.into_iter().filter(|&edge| edge != own.region).map(Some) {
+        if let (How::Ranks { sharing, .. }, Ok(frame)) =
+            (counted.how, predict(machine, picture, &Plan { region, ..plan })?)
+        {
+            let (how, frame) = (How::Ranks { sharing, region }, Frame::Counted(Box::new(frame)));
+            candidates.push(Candidate { how, frame, ..counted });
+        }
+    }
+    sort(candidates);
     Ok(())
 }
 
 impl Candidate {
     /// The plan by which its ranks can be counted, if it is a formula's.
     fn counted(&self) -> Option<Plan> {
-        let (How::Ranks(sharing), Frame::Formulas { .. }) = (self.how, &self.frame) else { return None };
+        let (How::Ranks { sharing, region }, Frame::Formulas { .. }) = (self.how, &self.frame) else {
+            return None;
+        };
         let organisation = match sharing.organisation {
             RendererOrganisation::SortFirst => Organisation::SortFirst,
             RendererOrganisation::SortLast => Organisation::SortLast,
@@ -212,7 +239,7 @@ impl Candidate {
             organisation,
             ranks,
             threads,
-            region: None,
+            region,
             assignment,
             topology: None,
         })

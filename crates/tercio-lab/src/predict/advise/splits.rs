@@ -26,12 +26,18 @@ impl Split {
     }
 }
 
-/// Numbers of processors: powers of two, whole nodes in powers of two and as many as fit, and all.
+/// Up to so many processors every number of them is compared.
+pub const EVERY: usize = 16;
+
+/// Numbers of processors: all of few, then powers of two and the middle between two of them; whole nodes in powers of two and as many
+/// as fit; and all.
 fn numbers(machine: &Machine, processors: usize) -> BTreeSet<usize> {
-    let powers = || (0..usize::BITS - 1).map(|bit| 1usize << bit);
+    let powers = || (0..usize::BITS - 2).map(|bit| 1usize << bit);
+    let middles = powers().map(|power| power + power / 2);
     let node = usize::try_from(machine.most_threads()).unwrap_or(usize::MAX).max(1);
     let nodes = powers().chain([processors / node]).filter_map(|nodes| node.checked_mul(nodes));
-    powers().chain(nodes).chain([processors]).filter(|number| (1..=processors).contains(number)).collect()
+    let found = (1..=EVERY).chain(powers()).chain(middles).chain(nodes).chain([processors]);
+    found.filter(|number| (1..=processors).contains(number)).collect()
 }
 
 /// Numbers of threads of one process: of the same numbers those that may share a memory.
@@ -63,9 +69,15 @@ mod tests {
     fn every_number_of_processors_is_divided_in_all_ways() {
         let machine = builtin("server-128").unwrap().unwrap();
         let split = |ranks, threads| Split { ranks, threads };
-        assert_eq!(threads(&machine, 6), [1, 2, 4, 6]);
-        let expected = [(2, 1), (4, 1), (2, 2), (6, 1), (3, 2), (2, 3)].map(|(r, t)| split(r, t));
+        assert_eq!(threads(&machine, 6), [1, 2, 3, 4, 5, 6]);
+        let expected =
+            [(2, 1), (3, 1), (4, 1), (2, 2), (5, 1), (6, 1), (3, 2), (2, 3)].map(|(r, t)| split(r, t));
         assert_eq!(of_ranks(&machine, 6), expected);
+        // By plain counting: all ranks and threads that make up to 16 processors.
+        let all: BTreeSet<Split> = of_ranks(&machine, 16).into_iter().collect();
+        let pairs = (2..=16).flat_map(|ranks| (1..=16).map(move |threads| split(ranks, threads)));
+        assert_eq!(all, pairs.filter(|s| s.processors() <= 16).collect());
+        assert_eq!(threads(&machine, 128)[15..], [16, 24, 32, 48, 64, 96, 128]);
         assert!(of_ranks(&machine, 1).is_empty());
     }
 
@@ -84,6 +96,7 @@ mod tests {
         let all = of_ranks(&machine, 1_000_000);
         let can = |s: &&Split| s.ranks <= MOST_BY_FORMULAS && s.processors() == 1_000_000;
         assert!(all.iter().any(|s| s.ranks > MOST_BY_FORMULAS) && all.iter().any(|s| can(&s)));
-        assert!(all.len() < 200, "{}", all.len());
+        // About eight for each of the 16 + 2 * 16 numbers, and whole nodes.
+        assert!(all.len() < 400, "{}", all.len());
     }
 }

@@ -1,4 +1,5 @@
 use tercio_parallel::{Composition, Organisation as RendererOrganisation};
+use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::simulated::{explanation, plans, simulated};
@@ -32,9 +33,9 @@ fn boxes(boxes: u64) -> BoxScene {
     BoxScene { boxes: (0..boxes).map(of).collect() }
 }
 
-fn made(model: &str, size: (u32, u32)) -> (Scene, Camera, tercio_raster::Settings) {
+fn made(model: &str, size: (u32, u32)) -> (Scene, Camera, Settings) {
     let (scene, bounds) = prepare(tercio_mesh::builtin::make(model).unwrap());
-    (scene, views::camera(&bounds, size, 0, 1), tercio_raster::Settings::one_sample(size.0, size.1))
+    (scene, views::camera(&bounds, size, 0, 1), Settings::one_sample(size.0, size.1))
 }
 
 fn advice(machine: &str, model: &str, processors: usize, topology: Option<Topology>) -> Advice {
@@ -71,25 +72,28 @@ fn all_that_the_renderer_can_do_is_searched() {
     let advice = advice("server-128", "builtin:gyroid@5k", 4, None);
     assert!(advice.candidates.windows(2).all(|w| w[0].frame.total() <= w[1].frame.total()));
     assert!(advice.candidates.iter().all(|c| c.frame.total().is_finite() && c.frame.total() > 0.0));
-    for (ranks, threads) in [(2, 1), (2, 2), (4, 1)] {
-        let all = crate::predict::choose::candidates::Limits::default().candidates(ranks).unwrap();
+    for (ranks, threads) in [(2, 1), (2, 2), (3, 1), (4, 1)] {
+        let all = crate::predict::choose::candidates::Limits::ALL.candidates(ranks).unwrap();
         for sharing in all {
-            let is = |c: &&Candidate| c.how == How::Ranks(sharing) && c.split == Split { ranks, threads };
+            let how = How::Ranks { sharing, region: None };
+            let is = |c: &&Candidate| c.how == how && c.split == Split { ranks, threads };
             assert_eq!(advice.candidates.iter().filter(is).count(), 1, "{sharing:?} {ranks} x {threads}");
         }
     }
-    for threads in [1, 2, 4] {
+    for threads in [1, 2, 3, 4] {
         let of = |c: &&Candidate| matches!(c.how, How::OneProcess { .. }) && c.split.threads == threads;
         assert_eq!(advice.candidates.iter().filter(of).count(), TILE_EDGES.len());
     }
     let has = |organisation: RendererOrganisation, composition| {
         advice.candidates.iter().any(|c| match c.how {
-            How::Ranks(s) => s.organisation == organisation && s.composition == composition,
+            How::Ranks { sharing: s, .. } => s.organisation == organisation && s.composition == composition,
             How::OneProcess { .. } => false,
         })
     };
     assert!(has(RendererOrganisation::SortTwice { group: 2 }, Composition::Tree));
     assert!(has(RendererOrganisation::SortLast, Composition::BinarySwap));
+    assert!(has(RendererOrganisation::SortTwice { group: 3 }, Composition::Ring));
+    assert!(has(RendererOrganisation::SortLast, Composition::TwoThreeSwap));
 }
 
 #[test]
@@ -99,15 +103,20 @@ fn the_best_is_explained_and_what_was_compared_is_said() {
     assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
     let number = advice.candidates.len();
     assert!(lines[0].contains(&format!("fastest of the {number} candidates")), "{lines:?}");
-    assert!(lines[1].contains("1, 2, 4 threads") && lines[1].contains("2 x 1, 2 x 2, 4 x 1"), "{lines:?}");
-    assert!(lines[2].contains("no stated uncertainty"), "{lines:?}");
-    // The best, the search, the uncertainty, and the classes threads, sort-first, -middle, -last and -twice but one.
-    assert_eq!(lines.len(), 3 + 4, "{lines:?}");
-    assert!(!lines[1].contains("ranks are not"), "{lines:?}");
-    let fewer = Advice { left_out: 3, ..advice.clone() };
     assert!(
-        fewer.explanation()[1]
-            .ends_with("3 splits of more than 32768 ranks are not: the formulas would take too long")
+        lines[1].contains("1, 2, 3, 4 threads") && lines[1].contains("2 x 1, 2 x 2, 3 x 1, 4 x 1"),
+        "{lines:?}"
+    );
+    assert!(lines[2].starts_with("not compared are other tiles of ranks"), "{lines:?}");
+    assert!(lines[3].contains("no stated uncertainty"), "{lines:?}");
+    // The best, the search, what is missing, the uncertainty, and the classes threads, sort-first, -middle, -last and -twice but one.
+    assert_eq!(lines.len(), 4 + 4, "{lines:?}");
+    assert!(!lines[2].contains("splits of more than"), "{lines:?}");
+    let fewer = Advice { left_out: 3, ..advice.clone() };
+    let missing = &fewer.explanation()[2];
+    assert!(
+        missing.contains("; 3 splits of more than 32768 ranks: the formulas would take too long"),
+        "{missing}"
     );
     let parts: f64 = best.parts().iter().map(|part| part.1).sum();
     assert!((parts - best.frame.total()).abs() < 1e-12);
@@ -157,7 +166,33 @@ fn the_best_ranks_are_counted() {
     candidates.retain(only);
     assert_eq!(candidates.len(), 4, "sort-first and sort-last");
     sort(&mut candidates);
+    let by_formulas = candidates.clone();
     refine(&machine, &picture, &mut candidates).unwrap();
+    // The best is also counted with tiles of the other sizes, and all of these are in their places.
+    assert_eq!(candidates.len(), 4 + TILE_EDGES.len() - 1);
+    assert!(candidates.windows(2).all(|w| w[0].frame.total() <= w[1].frame.total()));
+    let with_tiles = candidates.iter().filter_map(|c| match c.how {
+        How::Ranks { region: Some(region), .. } => Some((region, c)),
+        _ => None,
+    });
+    for (region, candidate) in with_tiles {
+        assert!(
+            candidate.describe().contains(&format!("tiles of {region} pixels")),
+            "{}",
+            candidate.describe()
+        );
+        let formulas = Frame::Formulas { terms: Terms::default(), sent: Sums::default() };
+        let plan = Candidate { frame: formulas, ..candidate.clone() }.counted().unwrap();
+        let tiles = Settings { tile_size: Some(region), ..settings.clone() };
+        let requested = Picture { settings: &tiles, ..picture };
+        let frame = predict(&machine, &requested, &Plan { region: None, ..plan }).unwrap().unwrap();
+        assert_eq!(candidate.frame, Frame::Counted(Box::new(frame)));
+    }
+    // Requested tiles are the only ones.
+    let tiles = Settings { tile_size: Some(32), ..settings.clone() };
+    let mut candidates_of_32 = by_formulas;
+    refine(&machine, &Picture { settings: &tiles, ..picture }, &mut candidates_of_32).unwrap();
+    assert_eq!(candidates_of_32.len(), 4);
     let best = &candidates[0];
     let Frame::Counted(frame) = &best.frame else { panic!("{}", best.describe()) };
     let again = Candidate {
@@ -180,7 +215,7 @@ fn candidates_like_the_best_are_those_whose_intervals_overlap() {
     let advice = Advice { candidates, uncertainty: Some(Uncertainty { residual: 0.05 }), left_out: 0 };
     let like = advice.candidates.iter().map(|c| advice.is_like_the_best(c)).collect::<Vec<_>>();
     assert_eq!(like, [Some(true), Some(true), Some(false)]);
-    let sure = &advice.explanation()[2];
+    let sure = &advice.explanation()[3];
     assert!(sure.contains("it takes 909.091 ms to 1111.111 ms; 1 of the others"), "{sure}");
     let none = Advice { uncertainty: None, ..advice };
     assert_eq!(none.is_like_the_best(&none.candidates[1]), None);

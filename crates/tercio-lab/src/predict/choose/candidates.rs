@@ -2,6 +2,8 @@
 
 use tercio_parallel::{Composition, Division, Organisation, Sharing};
 
+use super::compose::sizes;
+
 /// Above this many ranks fewer candidates are compared, so that choosing does not take longer than it gains.
 pub const MANY: usize = 64;
 
@@ -14,6 +16,9 @@ pub struct Limits {
     pub division: Option<Division>,
     /// How pictures are composited: only sort-last and sort-twice.
     pub composition: Option<Composition>,
+    /// Compares what is seldom the fastest, too, for who has the time: all divisions and, of few ranks, groups of any size and any
+    /// radix; 2-3 swap, which is binary swap for powers of two; the serial ring, which has the work of a tree in more rounds.
+    pub all: bool,
 }
 
 /// No way to share a frame fits the limits.
@@ -39,9 +44,10 @@ pub enum NoCandidate {
 }
 
 impl Limits {
+    /// All that there is, at the price of time.
+    pub const ALL: Self = Self { group: None, division: None, composition: None, all: true };
+
     /// The candidates for so many ranks, at least 1, simple ones first: of equally fast ones the first is taken. Never empty.
-    ///
-    /// The serial ring is none unless it is asked for: a tree has the same work in fewer rounds.
     ///
     /// # Errors
     /// [`NoCandidate`].
@@ -84,7 +90,7 @@ impl Limits {
                 SortMiddle
             }];
         }
-        let groups = group_sizes(ranks).into_iter().map(|group| SortTwice { group });
+        let groups = group_sizes(ranks, self.all).into_iter().map(|group| SortTwice { group });
         [SortMiddle, SortFirst, SortLast].into_iter().chain(groups).collect()
     }
 
@@ -97,7 +103,7 @@ impl Limits {
             return vec![Balanced];
         }
         match organisation {
-            Organisation::SortTwice { .. } => vec![Balanced, Interleaved],
+            Organisation::SortTwice { .. } if !self.all || ranks > MANY => vec![Balanced, Interleaved],
             _ if ranks > MANY => vec![Balanced, Interleaved, Blocks],
             _ => Division::ALL.to_vec(),
         }
@@ -113,32 +119,58 @@ impl Limits {
         }
         if ranks > 2 {
             all.push(Composition::BinarySwap);
+            if self.all {
+                all.push(Composition::TwoThreeSwap);
+            }
         }
-        // With up to 4 ranks radix 4 is direct send, with up to 8 radix 8.
-        all.extend([4, 8].into_iter().filter(|&radix| ranks > radix as usize).map(Composition::RadixK));
+        all.extend(radices(ranks, self.all).into_iter().map(Composition::RadixK));
+        if self.all && ranks > 2 {
+            all.push(Composition::Ring);
+        }
         all
     }
 }
 
-/// Up to so many ranks groups of all divisors of their number are compared, too.
+/// Radices: 4 and 8, unless that is direct send; of few ranks `all` whose rounds differ from these, direct send and binary swap.
+fn radices(ranks: usize, all: bool) -> Vec<u32> {
+    let usual: Vec<u32> = [4, 8].into_iter().filter(|&radix| ranks > radix as usize).collect();
+    if !all || ranks > FEW {
+        return usual;
+    }
+    let mut found: Vec<(u32, Vec<usize>)> =
+        usual.into_iter().map(|radix| (radix, sizes(ranks, radix))).collect();
+    for radix in 2..ranks as u32 {
+        let rounds = sizes(ranks, radix);
+        let is_other = rounds.len() > 1 && rounds.iter().any(|&size| size != 2);
+        if is_other && found.iter().all(|(_, known)| *known != rounds) {
+            found.push((radix, rounds));
+        }
+    }
+    found.into_iter().map(|(radix, _)| radix).collect()
+}
+
+/// Up to so many ranks groups of all divisors of their number are compared, too, or of all sizes.
 const FEW: usize = 16;
 
-/// Sizes of the groups of sort-twice: powers of two; of few ranks divisors, too; of many, three powers of two around the square
-/// root.
-fn group_sizes(ranks: usize) -> Vec<usize> {
+/// Sizes of the groups of sort-twice: powers of two; of few ranks divisors, too, or `all`; of many, three powers of two around the
+/// square root.
+fn group_sizes(ranks: usize, all: bool) -> Vec<usize> {
     let inside = 2..ranks;
     if ranks > MANY {
         let middle = 1 << (ranks.ilog2() / 2);
         return [middle / 4, middle, middle * 4].into_iter().filter(|size| inside.contains(size)).collect();
     }
-    inside.filter(|&size| size.is_power_of_two() || ranks <= FEW && ranks.is_multiple_of(size)).collect()
+    let is_one = |size: usize| size.is_power_of_two() || ranks <= FEW && (all || ranks.is_multiple_of(size));
+    inside.filter(|&size| is_one(size)).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use tercio_parallel::composite::{Round, Shared, Touched};
+
     use super::*;
 
-    const NONE: Limits = Limits { group: None, division: None, composition: None };
+    const NONE: Limits = Limits { group: None, division: None, composition: None, all: false };
 
     #[test]
     fn candidates_are_different_and_fewer_for_many_ranks() {
@@ -152,8 +184,67 @@ mod tests {
             assert!(all.len() <= if ranks > MANY { 45 } else { 90 }, "{ranks}: {}", all.len());
         }
         assert_eq!(NONE.candidates(1).map(|all| all.len()), Ok(1));
-        assert_eq!(group_sizes(6), [2, 3, 4]);
-        assert_eq!(group_sizes(1024), [8, 32, 128]);
+        assert_eq!(group_sizes(6, false), [2, 3, 4]);
+        assert_eq!(group_sizes(1024, false), [8, 32, 128]);
+    }
+
+    /// Every sharing that the options of `tercio render` can name, for few ranks, except those whose messages are the same.
+    #[test]
+    fn all_are_all_that_the_options_can_name() {
+        use Composition::{BinarySwap, DirectSend, RadixK, Ring, Tree, TwoThreeSwap};
+        for ranks in 1..=FEW {
+            let all = Limits::ALL.candidates(ranks).expect("there are always some");
+            let usual = NONE.candidates(ranks).expect("there are always some");
+            assert!(usual.iter().all(|one| all.contains(one)), "{ranks}");
+            if ranks < 2 {
+                continue;
+            }
+            let mut named = Vec::new();
+            for division in Division::ALL {
+                named.push(Sharing { division, ..Organisation::SortFirst.into() });
+                named.push(Sharing { division, ..Organisation::SortMiddle.into() });
+            }
+            let radices = (2..=ranks as u32).map(RadixK);
+            let compositions = [DirectSend, BinarySwap, TwoThreeSwap, Tree, Ring].into_iter().chain(radices);
+            for composition in compositions.clone() {
+                named.push(Sharing { composition, ..Organisation::SortLast.into() });
+                for (group, division) in (2..ranks).flat_map(|g| Division::ALL.map(|division| (g, division)))
+                {
+                    let organisation = Organisation::SortTwice { group };
+                    named.push(Sharing { organisation, division, composition });
+                }
+            }
+            for (number, one) in all.iter().enumerate() {
+                assert!(!all[..number].contains(one), "{ranks}: {one:?} twice");
+                assert!(named.contains(one), "{ranks}: {one:?}");
+            }
+            // As many tiles as all parts divide evenly: then the same messages have as many tiles, whichever these are.
+            let (tiles, places): (Vec<u32>, Vec<usize>) =
+                ((0..16 * ranks as u32).collect(), (0..ranks).collect());
+            let touched = Touched::new(tiles.len(), (0..ranks).map(|_| |_| true));
+            let shared = Shared { tiles: &tiles, ranks: &places, touched: &touched };
+            let messages = |round: &Round| {
+                let mut sends: Vec<_> = round.sends.iter().map(|(to, tiles)| (*to, tiles.len())).collect();
+                sends.sort_unstable();
+                sends
+            };
+            let rounds = |c: Composition| -> Vec<Vec<_>> {
+                places.iter().map(|&p| c.rounds(&shared, p).iter().map(messages).collect()).collect()
+            };
+            let known: Vec<Composition> = Limits::ALL.compositions(ranks);
+            // Which of the candidates' compositions has the rounds of one that can be named.
+            let stands_for: Vec<(Composition, Composition)> = compositions
+                .clone()
+                .map(|named| {
+                    let like = known.iter().find(|&&k| k == named || rounds(k) == rounds(named));
+                    (named, *like.unwrap_or_else(|| panic!("{ranks}: {named}")))
+                })
+                .collect();
+            for one in &named {
+                let like = stands_for.iter().find(|(named, _)| *named == one.composition).expect("named").1;
+                assert!(all.contains(&Sharing { composition: like, ..*one }), "{ranks}: {one:?}");
+            }
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use tercio_parallel::Composition;
 
 use super::terms::{Load, Stage, Sums};
 use super::wires::Reach;
+use crate::simulators::gcd;
 
 /// Tiles in which several ranks have something.
 #[derive(Clone, Debug, Default)]
@@ -53,7 +54,12 @@ impl SharedTiles {
 
     /// Pixels or fragments of all ranks, when those of this many consecutive ranks are merged.
     fn after(&self, merged: usize, participants: usize) -> f64 {
-        let blocks = participants.div_ceil(merged.max(1)) as f64;
+        self.in_blocks(participants.div_ceil(merged.max(1)))
+    }
+
+    /// The same, when those of each of so many blocks of ranks are merged.
+    fn in_blocks(&self, blocks: usize) -> f64 {
+        let blocks = blocks as f64;
         self.tiles.iter().map(|tile| tile.sum.min(tile.merged * tile.ranks.min(blocks))).sum()
     }
 
@@ -79,6 +85,7 @@ impl SharedTiles {
                 all
             }
             Composition::RadixK(radix) => self.in_rounds(&sizes(count, radix), count, stage, steps),
+            Composition::TwoThreeSwap => self.two_three_swap(count, stage, steps),
             Composition::Tree => self.tree(count, stage, steps),
             // Whatever else there may be is as slow as the slowest.
             _ => self.ring(count, stage),
@@ -110,10 +117,33 @@ impl SharedTiles {
             all = all.plus(transfer(stage, count, count, each, reach));
             merged *= size;
         }
-        // Fragments are only concatenated before.
-        let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
-        all.seconds += stage.evenly(merging, count);
-        all
+        all.plus(self.merging(count, stage))
+    }
+
+    /// Rounds in which the nodes of a tree of ranks are joined by twos and threes.
+    fn two_three_swap(&self, count: usize, stage: &Stage, steps: &mut u64) -> Composited {
+        let mut all = Composited::default();
+        for joined in joined(count).iter().rev() {
+            *steps += self.tiles.len() as u64;
+            let blocks = joined.iter().map(|j| j.nodes * j.children).sum();
+            let has = self.in_blocks(blocks) / count as f64;
+            // Each member keeps its part of what it and the other children had.
+            let mean = |of: fn(&Joined) -> f64| {
+                joined.iter().map(|j| (j.nodes * j.size) as f64 * of(j)).sum::<f64>() / count as f64
+            };
+            let share = mean(|j| 1.0 - 1.0 / j.children as f64);
+            let each = (mean(Joined::messages), has * share, self.unevenness());
+            let largest = joined.iter().map(|j| j.size).max().unwrap_or(1);
+            let stride = joined.iter().map(|j| j.size / j.children).min().unwrap_or(1);
+            all = all.plus(transfer(stage, count, count, each, Reach { within: largest, stride }));
+        }
+        all.plus(self.merging(count, stage))
+    }
+
+    /// Fragments are only concatenated before so many ranks have what they own.
+    fn merging(&self, owners: usize, stage: &Stage) -> Composited {
+        let work = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
+        Composited { seconds: stage.evenly(work, owners), sent: Sums::default() }
     }
 
     fn tree(&self, count: usize, stage: &Stage, steps: &mut u64) -> Composited {
@@ -131,9 +161,7 @@ impl SharedTiles {
             all = all.plus(transfer(stage, number, count, (1.0, has, uneven), reach));
             merged *= 2;
         }
-        let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
-        all.seconds += stage.evenly(merging, 1);
-        all
+        all.plus(self.merging(1, stage))
     }
 
     fn ring(&self, count: usize, stage: &Stage) -> Composited {
@@ -143,9 +171,7 @@ impl SharedTiles {
             let has = (self.sum() * done as f64 / count as f64).min(merged);
             all = all.plus(transfer(stage, 1, count, (1.0, has, 1.0), Reach { within: 2, stride: 1 }));
         }
-        let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
-        all.seconds += stage.evenly(merging, 1);
-        all
+        all.plus(self.merging(1, stage))
     }
 
     fn sum(&self) -> f64 {
@@ -186,8 +212,58 @@ impl Composited {
     }
 }
 
+/// Nodes of one size that a round of 2-3 swap joins from their children.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Joined {
+    nodes: usize,
+    /// Ranks of each.
+    size: usize,
+    children: usize,
+}
+
+impl Joined {
+    /// The sizes of its children, and how many have them.
+    fn of_children(&self) -> [(usize, usize); 2] {
+        let (size, larger) = (self.size / self.children, self.size % self.children);
+        [(size, self.children - larger), (size + 1, larger)]
+    }
+
+    /// Messages that a rank sends, on average. Each child's equal parts are cut at the ends of the node's equal parts: that many pieces,
+    /// of which each member keeps one.
+    fn messages(&self) -> f64 {
+        let pieces = |child: usize| child + self.size - gcd(child as u64, self.size as u64) as usize;
+        let all: usize = self.of_children().iter().map(|&(child, number)| number * pieces(child)).sum();
+        (all - self.size) as f64 / self.size as f64
+    }
+}
+
+/// What each round of 2-3 swap joins, the last round first: log2 of the ranks levels, each node with two children, or three if two
+/// would have more than the 3^levels ranks that there is room for (Yu, Wang and Ma 2008).
+fn joined(count: usize) -> Vec<Vec<Joined>> {
+    let mut rounds = Vec::new();
+    let mut sizes = vec![(count, 1usize)];
+    for below in (0..count.max(1).ilog2()).rev() {
+        let (mut round, mut smaller) = (Vec::new(), Vec::<(usize, usize)>::new());
+        for &(size, nodes) in &sizes {
+            let children = if size.div_ceil(2) <= 3usize.saturating_pow(below) { 2 } else { 3 };
+            let node = Joined { nodes, size, children };
+            round.push(node);
+            for (of, number) in node.of_children() {
+                match smaller.iter_mut().find(|(known, _)| *known == of) {
+                    Some((_, all)) => *all += nodes * number,
+                    None if number > 0 => smaller.push((of, nodes * number)),
+                    None => {}
+                }
+            }
+        }
+        rounds.push(round);
+        sizes = smaller;
+    }
+    rounds
+}
+
 /// The sizes of the groups of radix-k.
-fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
+pub(super) fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
     let mut sizes = Vec::new();
     while count > 1 {
         let radix = (radix.max(2) as usize).min(count);
@@ -198,4 +274,96 @@ fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
         count /= size;
     }
     sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use tercio_parallel::composite::{Shared, Touched};
+
+    use super::*;
+    use crate::predict::choose::network::Network;
+    use crate::predict::choose::rates::Rates;
+
+    /// Messages and bytes against those of the renderer's schedules, message by message: every rank has the same number of fragments in
+    /// every tile, and fragments stay when they are merged.
+    #[test]
+    fn messages_and_bytes_of_rounds_are_those_of_the_schedules() {
+        const TILES: usize = 5040;
+        let machine = crate::predict::choose::machine().expect("built in");
+        let rates = Rates { fragments: true, composited_bytes: 1.0, ..rates(&machine) };
+        let wires = Network::in_process(&machine).expect("it has a network").into();
+        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 64.0 };
+        let tiles: Vec<u32> = (0..TILES as u32).collect();
+        for count in 2..=40usize {
+            let places: Vec<usize> = (0..count).collect();
+            let touched = Touched::new(TILES, (0..count).map(|_| |_| true));
+            let shared = Shared { tiles: &tiles, ranks: &places, touched: &touched };
+            let (ranks, sum) = (count as f64, count as f64);
+            let all = SharedTiles {
+                tiles: vec![SharedTile { ranks, sum, merged: sum }; TILES],
+                of_rank: vec![[TILES as f64, TILES as f64]; count],
+                ..SharedTiles::default()
+            };
+            for composition in [Composition::TwoThreeSwap, Composition::BinarySwap, Composition::RadixK(4)] {
+                let found = all.composite(composition, &stage, &mut 0).sent;
+                // Of every tile, the fragments that each rank has in each round.
+                let schedules: Vec<_> = places.iter().map(|&p| composition.rounds(&shared, p)).collect();
+                let mut has = vec![vec![1.0f64; TILES]; count];
+                let (mut messages, mut bytes) = (0.0, 0.0);
+                // Of binary swap some ranks send only, in the round before the others'.
+                let before = usize::from(composition == Composition::BinarySwap && !count.is_power_of_two());
+                let most = schedules.iter().map(Vec::len).max().unwrap_or(0);
+                for number in 0..most {
+                    let mut moved = Vec::new();
+                    for (from, rounds) in schedules.iter().enumerate() {
+                        let sends_only = rounds.len() == 1 && rounds[0].receives.is_empty() && before == 1;
+                        let skipped = if sends_only || rounds.len() == most { 0 } else { before };
+                        let Some(round) = number.checked_sub(skipped).and_then(|own| rounds.get(own)) else {
+                            continue;
+                        };
+                        for (to, those) in &round.sends {
+                            messages += 1.0;
+                            moved.extend(those.iter().map(|&tile| (from, *to, tile as usize)));
+                        }
+                    }
+                    let sizes: Vec<f64> =
+                        moved.iter().map(|&(from, _, tile)| std::mem::take(&mut has[from][tile])).collect();
+                    for (&(_, to, tile), size) in moved.iter().zip(&sizes) {
+                        has[to][tile] += size;
+                    }
+                    bytes += sizes.iter().sum::<f64>();
+                }
+                let what = format!("{composition} of {count}: {found:?}, {messages} messages, {bytes} bytes");
+                let near = |a: f64, b: f64, off: f64| assert!((a / b - 1.0).abs() < off, "{what}");
+                near(found.bytes, bytes, 0.03);
+                near(found.messages, messages, 0.03);
+            }
+        }
+    }
+
+    fn rates(machine: &crate::machines::Machine) -> Rates {
+        Rates::of(machine, &tercio_raster::Settings::one_sample(64, 64), false)
+    }
+
+    #[test]
+    fn two_three_swap_of_powers_of_two_is_binary_swap() {
+        let machine = crate::predict::choose::machine().expect("built in");
+        let rates = rates(&machine);
+        let wires = Network::in_process(&machine).expect("it has a network").into();
+        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 8.0 };
+        for count in [2usize, 4, 8, 32] {
+            let tiles = (1..90).map(|k| SharedTile {
+                ranks: count as f64,
+                sum: f64::from(k),
+                merged: f64::from(k) / 2.0,
+            });
+            let of_rank = (0..count).map(|rank| [10.0 + rank as f64, 89.0]);
+            let all =
+                SharedTiles { tiles: tiles.collect(), of_rank: of_rank.collect(), ..SharedTiles::default() };
+            let of = |composition| all.composite(composition, &stage, &mut 0);
+            let (swap, other) = (of(Composition::BinarySwap), of(Composition::TwoThreeSwap));
+            assert!((swap.seconds / other.seconds - 1.0).abs() < 1e-9, "{swap:?} {other:?}");
+            assert!((swap.sent.bytes / other.sent.bytes - 1.0).abs() < 1e-9, "{swap:?} {other:?}");
+        }
+    }
 }

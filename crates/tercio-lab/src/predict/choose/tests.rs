@@ -121,7 +121,7 @@ fn limits_are_kept() {
     let choose = |limits: &Limits| chosen(&scene, &camera, &settings, job(6, handed_over()), limits);
     let ring = choose(&Limits { composition, ..Limits::default() });
     assert!(ring.candidates.iter().all(|c| c.sharing.composition == Composition::Ring));
-    let both = choose(&Limits { group: Some(4), division: Some(Division::Columns), composition });
+    let both = choose(&Limits { group: Some(4), division: Some(Division::Columns), composition, all: false });
     let organisation = Organisation::SortTwice { group: 4 };
     assert_eq!(both.candidates.len(), 1);
     let expected = Sharing { organisation, division: Division::Columns, composition: Composition::Ring };

@@ -15,18 +15,19 @@ pub enum Sharing {
     Tiles,
     /// All work on the same tile, each on every n-th triangle; their pictures are composited (3.6.4).
     Composition,
-    /// Pairs have tiles of their own, and the two of a pair every other triangle (figure 3.23). An odd number of engines
-    /// has no pairs, and shares as [`Sharing::Tiles`].
+    /// Pairs have tiles of their own, and the two of a pair every other triangle (figure 3.23): for an even number of engines.
     Hybrid,
 }
 
 impl Sharing {
-    /// In how many groups `engines` are, and how many work on the same tile.
-    pub fn groups(self, engines: usize) -> (usize, usize) {
+    /// In how many groups `engines` are, and how many work on the same tile. `None` if there are no such groups: no engines, or of
+    /// an odd number pairs.
+    pub fn groups(self, engines: usize) -> Option<(usize, usize)> {
         match self {
-            Self::Hybrid if engines.is_multiple_of(2) && engines > 0 => (engines / 2, 2),
-            Self::Tiles | Self::Hybrid => (engines.max(1), 1),
-            Self::Composition => (1, engines.max(1)),
+            _ if engines == 0 => None,
+            Self::Tiles => Some((engines, 1)),
+            Self::Composition => Some((1, engines)),
+            Self::Hybrid => engines.is_multiple_of(2).then_some((engines / 2, 2)),
         }
     }
 }
@@ -71,15 +72,17 @@ pub struct BackEndSettings {
     pub output: u64,
 }
 
-/// Draws the heaps of some front ends: every tile reads all of them, in their order.
-pub fn run(front_ends: &[FrontEnd], tiles: Tiles, settings: BackEndSettings) -> BackEnd {
-    let engines = settings.engines.max(1);
+/// Draws the heaps of some front ends: every tile reads all of them, in their order. `None` if so many engines cannot share a frame
+/// so ([`Sharing::groups`]).
+pub fn run(front_ends: &[FrontEnd], tiles: Tiles, settings: BackEndSettings) -> Option<BackEnd> {
+    let engines = settings.engines;
+    let groups = settings.sharing.groups(engines)?;
     // How long each engine draws its triangles of a tile: a list of (engine, counts) for each used tile.
     let drawn: Vec<(usize, Vec<(usize, EngineCounts)>)> = (0..tiles.count())
         .into_par_iter()
         .filter_map(|tile| {
             let work = tile_work(front_ends, tiles, tile);
-            (!work.is_empty()).then(|| (tile, draw(tile, &work, tiles, settings)))
+            (!work.is_empty()).then(|| (tile, draw(tile, &work, tiles, settings.engine, groups)))
         })
         .collect();
     let mut sums = vec![EngineCounts::default(); engines];
@@ -94,12 +97,12 @@ pub fn run(front_ends: &[FrontEnd], tiles: Tiles, settings: BackEndSettings) -> 
             sums[*engine] = sums[*engine].plus(*counts);
         }
     }
-    BackEnd {
+    Some(BackEnd {
         cycles: clock.now(),
         tiles_used: drawn.len() as u64,
         engines: sums,
         output_cycles: clock.output_cycles,
-    }
+    })
 }
 
 /// The triangles of one tile.
@@ -111,14 +114,19 @@ pub fn tile_work(front_ends: &[FrontEnd], tiles: Tiles, tile: usize) -> Vec<Tile
     front_ends.iter().flat_map(of).collect()
 }
 
-fn draw(tile: usize, work: &[TileWork], tiles: Tiles, s: BackEndSettings) -> Vec<(usize, EngineCounts)> {
-    let (groups, parts) = s.sharing.groups(s.engines);
+fn draw(
+    tile: usize,
+    work: &[TileWork],
+    tiles: Tiles,
+    engine: EngineSettings,
+    (groups, parts): (usize, usize),
+) -> Vec<(usize, EngineCounts)> {
     let (column, row) = tiles.place(tile);
     let first = (column + row) as usize % groups * parts;
     (0..parts)
         .map(|part| {
             let own: Vec<_> = work.iter().skip(part).step_by(parts).cloned().collect();
-            (first + part, run_tile(s.engine, &own))
+            (first + part, run_tile(engine, &own))
         })
         .collect()
 }
@@ -195,6 +203,8 @@ mod tests {
                 BackEndSettings { engine, engines, sharing, output: 1 << 20 },
             )
         };
+        assert_eq!((run(3, Sharing::Hybrid), run(0, Sharing::Tiles)), (None, None), "no pairs, no engines");
+        let run = |engines, sharing| run(engines, sharing).expect("groups");
         // A tile of k triangles takes 3 cycles to fill the pipeline, and a cycle a pixel or an empty row.
         let one = run(1, Sharing::Tiles);
         let of_triangle = (one.total().cycles / 8 - 3) / 8;

@@ -186,8 +186,7 @@ pub fn prefetch_body(context: &FrameContext, binned: &BinnedCluster) {
 /// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?
 #[inline(always)]
 pub fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, tile: &TileMemory) -> bool {
-    let [x0, x1, y0, y1] = binned.rect.map(i32::from);
-    let rect = PixelRect { x0, x1, y0, y1 }.intersect(tile.rect());
+    let rect = binned.pixels().intersect(tile.rect());
     part(
         simd,
         #[inline(always)]

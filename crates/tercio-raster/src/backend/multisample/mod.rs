@@ -34,7 +34,7 @@ use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
 use crate::frame::{Canvas, CanvasTile, FragmentError, FragmentsOfTile, Outputs, Planes};
 use crate::projection::LocalVertices;
-use crate::screen::{PixelRect, ScreenTriangle};
+use crate::screen::ScreenTriangle;
 use crate::settings::{LastStage, Part};
 use crate::simd::part;
 use crate::stats::BackEndCounts;
@@ -233,8 +233,7 @@ fn draw_clusters<S: Simd, T: Tally, K: Sink>(
 /// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?
 #[inline(always)]
 fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, memory: &SampleMemory) -> bool {
-    let [x0, x1, y0, y1] = binned.rect.map(i32::from);
-    let rect = PixelRect { x0, x1, y0, y1 }.intersect(memory.rect);
+    let rect = binned.pixels().intersect(memory.rect);
     part(
         simd,
         #[inline(always)]

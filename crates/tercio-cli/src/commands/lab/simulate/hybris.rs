@@ -20,7 +20,7 @@ use crate::progress::Display;
 #[command(after_help = "\
 Examples:
   tercio lab simulate hybris bunny.ply
-  tercio lab simulate hybris bunny.ply --machine hybris-asic-two-engines --composition --json
+  tercio lab simulate hybris bunny.ply --machine hybris-asic-two-engines --sharing composition --json
   tercio lab simulate hybris builtin:teapot@69k --machine hybris-dual-cpu --size 1024x768
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
@@ -36,7 +36,7 @@ pub struct Hybris {
     /// The view, of 36 round the model.
     #[arg(long, value_name = "K", default_value_t = 0)]
     view: u32,
-    /// How two engines share a frame.
+    /// How several engines share a frame.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = SharingName::Tiles)]
     sharing: SharingName,
     /// Writes JSON with stable keys.
@@ -46,13 +46,15 @@ pub struct Hybris {
     running: RunningArgs,
 }
 
-/// How two engines share a frame.
+/// How several engines share a frame.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum SharingName {
     /// Tiles of a checkerboard.
     Tiles,
-    /// Each engine draws half of the triangles of every tile; the results are composited.
+    /// Every engine draws its share of the triangles of every tile; the results are composited.
     Composition,
+    /// Pairs of engines have tiles of their own, and each of a pair draws every other triangle of them.
+    Hybrid,
 }
 
 impl Hybris {
@@ -64,6 +66,7 @@ impl Hybris {
         let sharing = match self.sharing {
             SharingName::Tiles => Sharing::Tiles,
             SharingName::Composition => Sharing::Composition,
+            SharingName::Hybrid => Sharing::Hybrid,
         };
         let frame = pool.install(|| -> Result<HybrisFrame> {
             let display = Display::new(self.running.progress_mode());
@@ -87,7 +90,7 @@ impl Hybris {
 }
 
 fn text(name: &str, f: &HybrisFrame) -> String {
-    let (c, total) = (f.front_end, f.back_end.total());
+    let c = f.front_end;
     let mut t = format!("{name}\n");
     // Writing into a string cannot fail.
     let _ = writeln!(
@@ -101,16 +104,17 @@ fn text(name: &str, f: &HybrisFrame) -> String {
         c.entries, f.overlap, f.buffers, f.heap_bytes
     );
     // In software there are none.
-    if f.software.is_none() {
+    if let Some((back, seconds)) = f.engines() {
+        let total = back.total();
         let _ = writeln!(
             t,
             "tile engines: {} tiles, {} pixels, {} cycles ({:.2} a triangle), {:.3} ms, imbalance {:.3}",
-            f.back_end.tiles_used,
+            back.tiles_used,
             total.pixels,
-            f.back_end.cycles,
+            back.cycles,
             total.cycles_per_triangle(),
-            f.back_end_seconds * 1e3,
-            f.back_end.imbalance()
+            seconds * 1e3,
+            back.imbalance()
         );
         let names = ["set-up triangle", "draw triangle", "set-up span", "draw span"];
         for (name, s) in names.iter().zip(total.stages) {
