@@ -20,8 +20,9 @@ const RANKS: [usize; 7] = [32, 128, 512, 2048, 8192, 32768, 35000];
 /// Nanoseconds in which a pixel is blended: nothing, and more than any processor of its time needs.
 const BLENDS: [f64; 3] = [0.0, 10.0, 100.0];
 
-/// What a gain may mean, from the time of binary swap over that of radix-k, in percent.
-const GAINS: [(&str, fn(f64) -> f64); 2] =
+/// What a gain may mean, from the time of binary swap over that of radix-k.
+type Percent = fn(f64) -> f64;
+const GAINS: [(&str, Percent); 2] =
     [("faster", |ratio| 100.0 * (ratio - 1.0)), ("less time", |ratio| 100.0 * (1.0 - 1.0 / ratio))];
 
 /// Binary swap, the best radix and radix-k in seconds.
@@ -101,7 +102,7 @@ fn radix_k() -> Result<Findings, ExperimentError> {
             (size, swap / seconds)
         };
         let ratios: Vec<_> = sizes.iter().map(ratio).collect();
-        let reading = |(what, of): (&str, fn(f64) -> f64)| {
+        let reading = |(what, of): (&str, Percent)| {
             let percent = ratios.iter().map(|&(size, ratio)| (size, of(ratio))).collect();
             Fit::new(format!("{ranks} processes, 40 % {what}"), "Mpixel of the picture", "40", percent)
         };

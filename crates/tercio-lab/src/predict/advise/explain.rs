@@ -141,8 +141,14 @@ impl Advice {
     }
 
     fn how_sure(&self, best: &Candidate) -> String {
+        let range = |[fast, slow]: [f64; 2]| format!("{} to {}", milliseconds(fast), milliseconds(slow));
         let Some([low, high]) = self.interval(best) else {
-            return "neither the machine nor one whose costs it has was calibrated: its predictions have no stated uncertainty".into();
+            let assumed = best.assumed.map_or_else(String::new, |ends| {
+                format!("; by what is assumed of the machine's numbers alone it takes {}", range(ends))
+            });
+            return format!(
+                "neither the machine nor one whose costs it has was calibrated: its predictions have no stated uncertainty{assumed}"
+            );
         };
         let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
         let most = if high.is_finite() { format!(" to {}", milliseconds(high)) } else { " or more".into() };
@@ -158,14 +164,12 @@ impl Advice {
         };
         let of = match best.assumed {
             None => of,
-            Some([fast, slow]) => format!(
-                "{of} and what is assumed of the machine's numbers (alone {} to {})",
-                milliseconds(fast),
-                milliseconds(slow)
-            ),
+            Some(ends) => {
+                format!("{of} and what is assumed of the machine's numbers (alone {})", range(ends))
+            }
         };
         format!(
-            "by {of} it takes {}{most}; {like} of the others are not to be told apart from it: their intervals overlap",
+            "by {of} it takes {}{most}; {like} of the others are not to be told apart from it",
             milliseconds(low)
         )
     }

@@ -116,10 +116,10 @@ impl Advice {
         Some(self.uncertainty.as_ref()?.interval(candidate))
     }
 
-    /// Whether the intervals of a candidate and of the best one overlap.
+    /// Whether a candidate is not to be told apart from the best one: [`Uncertainty::may_be_as_fast`].
     pub fn is_like_the_best(&self, candidate: &Candidate) -> Option<bool> {
         let best = self.candidates.first()?;
-        Some(self.interval(candidate)?[0] <= self.interval(best)?[1])
+        Some(self.uncertainty.as_ref()?.may_be_as_fast(candidate, best))
     }
 }
 

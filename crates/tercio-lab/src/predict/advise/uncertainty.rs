@@ -51,9 +51,29 @@ impl Uncertainty {
     /// machine are between their ends; without an upper end, which is then infinite, if it may be too low by all of the frame.
     pub fn interval(&self, candidate: &Candidate) -> [f64; 2] {
         let Candidate { frame, assumed, .. } = candidate;
-        let ([fast, slow], off) = (assumed.unwrap_or([frame.total(); 2]), WIDTH * self.error(frame));
-        let most = if off < 1.0 { slow / (1.0 - off) } else { f64::INFINITY };
-        [fast / (1.0 + off), most]
+        let [fast, slow] = assumed.unwrap_or([frame.total(); 2]);
+        [self.around(frame, fast)[0], self.around(frame, slow)[1]]
+    }
+
+    /// The same for a frame that is predicted as so many seconds, with numbers that are as they are.
+    fn around(&self, frame: &Frame, seconds: f64) -> [f64; 2] {
+        let off = WIDTH * self.error(frame);
+        let most = if off < 1.0 { seconds / (1.0 - off) } else { f64::INFINITY };
+        [seconds / (1.0 + off), most]
+    }
+
+    /// Whether a candidate may be as fast as another with the same numbers of the machine: as predicted, all at their fast ends, or all
+    /// at their slow ones. What is assumed is wrong for both alike.
+    pub fn may_be_as_fast(&self, candidate: &Candidate, as_other: &Candidate) -> bool {
+        let seconds = |c: &Candidate| {
+            let total = c.frame.total();
+            let [fast, slow] = c.assumed.unwrap_or([total; 2]);
+            [total, fast, slow]
+        };
+        let mut pairs = seconds(candidate).into_iter().zip(seconds(as_other));
+        pairs.any(|(ours, others)| {
+            self.around(&candidate.frame, ours)[0] <= self.around(&as_other.frame, others)[1]
+        })
     }
 }
 
