@@ -263,7 +263,7 @@ mod tests {
         assert!(advised(1.099).holds() && !advised(1.11).holds());
         let cells = ["1 of 2, 30 of 40", "+11.0 %", "misses"];
         assert_eq!(advised(1.11).cells()[8..], cells);
-        assert_eq!(AdviceRow { coverage: None, ..advised(1.0) }.cells()[8], "none stated");
+        assert_eq!(AdviceRow { coverage: None, ..advised(1.0) }.cells()[8], "not counted");
         assert_eq!(AdviceRow::HEADER.len(), advised(1.0).cells().len());
     }
 

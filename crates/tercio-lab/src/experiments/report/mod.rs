@@ -158,7 +158,8 @@ impl Page {
 
 const TITLE: &str = "Published graphics machines, reproduced";
 const INTRODUCTION: &str = "Every figure and table of the five documents that follows from a formula or a simulator, \
-    reproduced: data, plot, and result of the comparison; and scalings that others published, predicted. Lost scenes are replaced by our own, and marked so.";
+    reproduced: data, plot, and result of the comparison; and scalings that others published, predicted. \
+    Lost scenes are replaced by our own, and marked so.";
 
 /// The report as one page of Markdown.
 fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {

@@ -27,7 +27,8 @@ pub struct AdviceRow {
     pub best_measured: f64,
     /// Root mean square of predicted over measured, minus 1: of what was counted, and of the formulas.
     pub errors: [f64; 2],
-    /// Measured times inside their stated intervals, of the same two; `None` if no intervals are stated.
+    /// Measured times inside their stated intervals, of the same two; `None` if no intervals are stated, or
+    /// nobody counted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<[Coverage; 2]>,
 }
@@ -83,7 +84,7 @@ impl QuotedRow for AdviceRow {
             self.best.clone(),
             format!("{:.2}", self.best_measured),
             format!("{:.0} %, {:.0} %", self.errors[0] * 100.0, self.errors[1] * 100.0),
-            self.coverage.map_or("none stated".into(), |both| {
+            self.coverage.map_or("not counted".into(), |both| {
                 both.map(|c| format!("{} of {}", c.inside, c.of)).join(", ")
             }),
             format!("{:+.1} %", self.loss() * 100.0),
