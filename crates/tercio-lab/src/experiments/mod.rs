@@ -13,6 +13,7 @@ mod hidden;
 pub mod hybris;
 pub mod mcmanus;
 pub mod ortega;
+mod others;
 pub mod parks;
 mod plot;
 pub mod report;
@@ -52,7 +53,7 @@ pub struct Experiment {
 /// Why an experiment could not be run.
 pub type ExperimentError = Box<dyn std::error::Error + Send + Sync>;
 
-/// The five documents.
+/// The five documents, and what others have published since.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub enum Document {
     /// 000.
@@ -65,13 +66,16 @@ pub enum Document {
     McManus,
     /// 004.
     Ortega,
+    /// Scalings of compositing systems, from abstracts and a figure: no document of ours.
+    Others,
 }
 
 impl Document {
     /// All of them, in order.
-    pub const ALL: [Self; 5] = [Self::Eldridge, Self::Hybris, Self::Parks, Self::McManus, Self::Ortega];
+    pub const ALL: [Self; 6] =
+        [Self::Eldridge, Self::Hybris, Self::Parks, Self::McManus, Self::Ortega, Self::Others];
 
-    /// The number that the project uses for it.
+    /// The number that the project uses for it, or a word.
     pub fn number(self) -> &'static str {
         match self {
             Self::Eldridge => "000",
@@ -79,6 +83,7 @@ impl Document {
             Self::Parks => "002",
             Self::McManus => "003",
             Self::Ortega => "004",
+            Self::Others => "others",
         }
     }
 
@@ -98,6 +103,11 @@ impl Document {
             }
             Self::Ortega => {
                 "F. A. Ortega, C. D. Hansen, Fast Data Parallel Polygon Rendering, Supercomputing 1993"
+            }
+            Self::Others => {
+                "Scalings that others published, predicted by the formulas of --organisation auto and 'tercio lab advise': T. Peterka \
+                 and others, SC09; W. Kendall and others, EGPGV 2010; K. Moreland and others, SC11; W. Usher and others, EuroVis 2019; \
+                 A. Stompel and others, PVG 2003. We have their abstracts and one figure, not the papers."
             }
         }
     }
@@ -151,6 +161,9 @@ const MODULES: &[&[Experiment]] = &[
     ortega::speed::EXPERIMENTS,
     ortega::time_model::EXPERIMENTS,
     simulated::ortega::EXPERIMENTS,
+    others::radix_k::EXPERIMENTS,
+    others::megapixels::EXPERIMENTS,
+    others::frames::EXPERIMENTS,
 ];
 
 /// All experiments, in the order of the documents.
@@ -270,6 +283,10 @@ mod tests {
         ("ortega-time-model", "qualitative"),
         ("ortega-fig-3-steps", "contradicted"),
         ("ortega-fig-4-steps", "contradicted"),
+        ("others-radix-k", "contradicted"),
+        ("others-64-megapixels", "qualitative"),
+        ("others-framebuffer", "qualitative"),
+        ("others-slic", "qualitative"),
     ];
 
     #[test]

@@ -1,5 +1,6 @@
 //! Checks of a description beyond units: numbers that must not be 0, or that depend on others.
 
+use super::builtin::NAMES;
 use super::description::Machine;
 use super::error::MachineError;
 use super::sourced::{Cost, Sourced};
@@ -119,6 +120,7 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
     if let Some(s) = p.serial.as_ref().filter(|s| s.value > 1.0) {
         return Err(Wrong::new("processors", "serial", format!("expected at most 100 %, found {s}")));
     }
+    uncertainty(m)?;
     if let Some(screen) = &m.screen {
         positive("screen", "width", Some(&screen.width))?;
         positive("screen", "height", Some(&screen.height))?;
@@ -179,6 +181,26 @@ fn counts(m: &Machine) -> Result<(), Wrong> {
             "bandwidth",
             "expected processors.per-node, the processors of a node, found none".into(),
         )),
+        _ => Ok(()),
+    }
+}
+
+/// Where costs are borrowed, and the serial share.
+fn uncertainty(m: &Machine) -> Result<(), Wrong> {
+    let Some(of) = &m.uncertainty else { return Ok(()) };
+    if let Some(name) = of.costs_of.as_ref().filter(|name| !NAMES.contains(&name.as_str())) {
+        let what = format!("expected the name of a built-in machine, found {name}");
+        return Err(Wrong::new("uncertainty", "costs-of", what));
+    }
+    let least = m.processors.serial.as_ref().map_or(0.0, |s| s.value);
+    match &of.serial {
+        Some(s) if s.value > 1.0 || s.value < least => {
+            let what = format!(
+                "expected at least processors.serial, {} %, and at most 100 %, found {s}",
+                100.0 * least
+            );
+            Err(Wrong::new("uncertainty", "serial", what))
+        }
         _ => Ok(()),
     }
 }

@@ -10,7 +10,7 @@ use super::check::check;
 use super::error::MachineError;
 use super::kinds::{Control, Delivery, Packing, ScreenDivision, SortingClass, Topology};
 use super::operations::Operation;
-use super::sections::{Calibration, Heap, Sdram, TileEngine, Transfer};
+use super::sections::{Assumptions, Calibration, Heap, Sdram, TileEngine, Transfer};
 use super::sourced::{Cost, Sourced};
 use super::{NAMES, builtin};
 use crate::units::{Bytes, BytesPerSecond, Count, Hertz, PolygonRate, Ratio, Seconds};
@@ -61,6 +61,9 @@ pub struct Machine {
     /// How the numbers were measured, if `tercio lab calibrate` measured them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,
+    /// How far numbers that were not measured on it may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Assumptions>,
     /// Polygon rates that its makers or a document claim or measured, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub claims: BTreeMap<String, Sourced<PolygonRate>>,

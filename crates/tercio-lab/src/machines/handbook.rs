@@ -15,7 +15,7 @@ const KINDS: &str = include_str!("kinds.rs");
 const OPERATIONS: &str = include_str!("operations.rs");
 
 /// Sections with the code of their structure and its name.
-const STRUCTURES: [(&str, &str, &str); 10] = [
+const STRUCTURES: [(&str, &str, &str); 11] = [
     ("", DESCRIPTION, "Machine"),
     ("sorting", DESCRIPTION, "Sorting"),
     ("processors", DESCRIPTION, "Processors"),
@@ -26,6 +26,7 @@ const STRUCTURES: [(&str, &str, &str); 10] = [
     ("tile-engine", SECTIONS, "TileEngine"),
     ("transfer", SECTIONS, "Transfer"),
     ("calibration", SECTIONS, "Calibration"),
+    ("uncertainty", SECTIONS, "Assumptions"),
 ];
 /// Sections whose keys are the variants of an enumeration.
 const ENUMERATIONS: [(&str, &str, &str); 2] =

@@ -85,6 +85,8 @@ pub enum Topology {
     Ring,
     /// Neighbour to neighbour on a square grid without wrap-around.
     Mesh,
+    /// Neighbour to neighbour on a grid of three dimensions, each a ring: as near to a cube as the number of ends can be divided.
+    Torus,
     /// A binary tree whose links double towards the root: full bisection bandwidth.
     FatTree,
     /// All to all; each port carries one link's bandwidth.
@@ -101,6 +103,7 @@ impl Topology {
         match self {
             Self::Ring => "ring",
             Self::Mesh => "mesh",
+            Self::Torus => "torus",
             Self::FatTree => "fat-tree",
             Self::Crossbar => "crossbar",
             Self::Bus => "bus",

@@ -24,5 +24,5 @@ pub use description::{DataKind, Machine, Network, Processors, Screen, Sorting, l
 pub use error::MachineError;
 pub use kinds::{Control, Delivery, Packing, ScreenDivision, SortingClass, Topology};
 pub use operations::Operation;
-pub use sections::{Calibration, Heap, Sdram, TileEngine, Transfer};
+pub use sections::{Assumptions, Calibration, Heap, Sdram, TileEngine, Transfer};
 pub use sourced::{Cost, Sourced};

@@ -65,6 +65,30 @@ pub struct Transfer {
     pub block: Sourced<Bytes>,
 }
 
+/// How far numbers of a machine that nobody measured on it may be off. What is left out is taken as it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Assumptions {
+    /// The built-in machine whose costs these are: its calibration's residuals count for this machine, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub costs_of: Option<String>,
+    /// All costs may be that much higher, or lower by the same factor: 25 % is 1.25 times as long, or 1 / 1.25 times.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub costs: Option<Sourced<Ratio>>,
+    /// The same for the bandwidth of memory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_bandwidth: Option<Sourced<Ratio>>,
+    /// The same for the bandwidth of network and node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub network_bandwidth: Option<Sourced<Ratio>>,
+    /// The same for the times of messages and hops of network and node.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub message: Option<Sourced<Ratio>>,
+    /// The largest share of a frame's work that may run on one processor only; the least is that of `processors`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub serial: Option<Sourced<Ratio>>,
+}
+
 /// How `tercio lab calibrate` measured a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]

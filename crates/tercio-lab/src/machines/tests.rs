@@ -79,6 +79,10 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(fewer.starts_with("m.toml:15:1: processors.at-most: expected at least"), "{fewer}");
     let node = error("[costs]", "per-node = { value = 2, source = \"000\" }\n[costs]");
     assert!(node.starts_with("m.toml:15:1: processors.per-node: expected a section node"), "{node}");
+    let none = error("[costs]", "[uncertainty]\ncosts-of = \"nobody\"\n[costs]");
+    assert!(none.starts_with("m.toml:16:1: uncertainty.costs-of") && none.contains("found nobody"), "{none}");
+    let serial = error("[costs]", "[uncertainty]\nserial = { value = \"101 %\", source = \"x\" }\n[costs]");
+    assert!(serial.starts_with("m.toml:16:1: uncertainty.serial: expected at least"), "{serial}");
     let broken = error("[costs]", "[costs");
     assert!(broken.starts_with("m.toml:15:"), "{broken}");
 }

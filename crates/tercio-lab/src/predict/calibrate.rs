@@ -348,6 +348,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
         screen: None,
         node: None,
         calibration: None,
+        uncertainty: None,
         network: Some(messages::between_threads()?),
         mpi,
         bytes: BTreeMap::from([

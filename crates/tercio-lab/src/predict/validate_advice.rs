@@ -3,12 +3,13 @@
 
 use std::collections::BTreeSet;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tercio_parallel::{Ranks, draw_frames};
 use tercio_raster::Settings;
 use tercio_scene::Camera;
 
 use super::advise::splits::Split;
+use super::advise::uncertainty::Uncertainty;
 use super::advise::{Advice, Candidate, Frame, How, advise, formulas};
 use super::measure::{Clock, measure};
 use super::ranks::{Picture, RanksError};
@@ -68,6 +69,8 @@ pub struct Row {
     pub size: (u32, u32),
     /// All that was drawn; the advised one first, the others in the order of the advice.
     pub drawn: Vec<Drawn>,
+    /// How far the predictions may be off, if that is known.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// How far predictions of a kind were off.
@@ -77,6 +80,16 @@ pub struct Errors {
     pub number: usize,
     /// Root of the mean square of predicted over measured, minus 1.
     pub rms: f64,
+}
+
+/// How many measured times lie inside the interval that was stated with their prediction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Coverage {
+    /// Inside, ends included.
+    pub inside: usize,
+    /// Of so many.
+    pub of: usize,
 }
 
 impl Row {
@@ -95,11 +108,28 @@ impl Row {
         self.advised().seconds / self.best().seconds - 1.0
     }
 
+    /// The ways that formulas predict, or all others.
+    fn predicted(&self, by_formulas: bool) -> impl Iterator<Item = &Drawn> {
+        self.drawn.iter().filter(move |d| matches!(d.candidate.frame, Frame::Formulas { .. }) == by_formulas)
+    }
+
+    /// How many measured times lie inside their intervals, of predictions by formulas, or of all others; `None` if no intervals are
+    /// stated.
+    pub fn coverage(&self, by_formulas: bool) -> Option<Coverage> {
+        let uncertainty = self.uncertainty.as_ref()?;
+        let mut coverage = Coverage::default();
+        for drawn in self.predicted(by_formulas) {
+            let [low, high] = uncertainty.interval(&drawn.candidate);
+            coverage.of += 1;
+            coverage.inside += usize::from((low..=high).contains(&drawn.seconds));
+        }
+        Some(coverage)
+    }
+
     /// The errors of the predictions by formulas, or of all others.
-    pub fn errors(&self, of_formulas: bool) -> Errors {
-        let is = |d: &&Drawn| matches!(d.candidate.frame, Frame::Formulas { .. }) == of_formulas;
+    pub fn errors(&self, by_formulas: bool) -> Errors {
         let squares =
-            self.drawn.iter().filter(is).map(|d| (d.candidate.frame.total() / d.seconds - 1.0).powi(2));
+            self.predicted(by_formulas).map(|d| (d.candidate.frame.total() / d.seconds - 1.0).powi(2));
         let (number, sum) = squares.fold((0usize, 0.0), |(number, sum), square| (number + 1, sum + square));
         Errors { number, rms: (sum / number.max(1) as f64).sqrt() }
     }
@@ -123,9 +153,9 @@ pub fn compare(
             let (camera, settings) =
                 (views::camera(&model.bounds, size, 0, 1), Settings::one_sample(size.0, size.1));
             let picture = Picture { scene: &model.scene, camera: &camera, settings: &settings };
-            let candidates = candidates(machine, &picture, options)?;
+            let (candidates, uncertainty) = candidates(machine, &picture, options)?;
             let drawn = candidates.into_iter().map(|candidate| Drawn { candidate, seconds: f64::INFINITY });
-            let row = Row { model: model.name.clone(), size, drawn: drawn.collect() };
+            let row = Row { model: model.name.clone(), size, drawn: drawn.collect(), uncertainty };
             pictures.push((model, camera, settings, row));
         }
     }
@@ -142,19 +172,19 @@ pub fn compare(
     Ok(pictures.into_iter().map(|picture| picture.3).collect())
 }
 
-/// The advice, and more ranks than it considers.
+/// The advice, and more ranks than it considers, with how far predictions may be off.
 fn candidates(
     machine: &Machine,
     picture: &Picture,
     options: Options,
-) -> Result<Vec<Candidate>, PredictError> {
-    let Advice { mut candidates, .. } = advise(machine, picture, options.processors, None)?;
+) -> Result<(Vec<Candidate>, Option<Uncertainty>), PredictError> {
+    let Advice { mut candidates, uncertainty, .. } = advise(machine, picture, options.processors, None)?;
     // As many ranks as processors and fewer are in the advice.
     let more: BTreeSet<usize> =
         options.more_ranks.iter().copied().filter(|&n| n > options.processors).collect();
     let more: Vec<Split> = more.into_iter().map(|ranks| Split { ranks, threads: 1 }).collect();
     candidates.extend(formulas::ranks(machine, picture, None, &more, Some(options.processors))?);
-    Ok(candidates)
+    Ok((candidates, uncertainty))
 }
 
 /// Seconds of the fastest frame.
@@ -182,6 +212,8 @@ mod tests {
     use super::*;
     use crate::machines::builtin;
     use crate::predict::calibrate::prepare;
+    use crate::predict::choose::terms::{Sums, Terms};
+    use crate::predict::frame::FrameTime;
     use crate::predict::quoted::{AdviceRow, QuotedRow as _};
 
     /// Structure only: times depend on what else runs.
@@ -227,9 +259,38 @@ mod tests {
             measured: milliseconds,
             best_measured: 1.0,
             errors: [0.1, 0.2],
+            coverage: Some([(1, 2), (30, 40)].map(|(inside, of)| Coverage { inside, of })),
         };
         assert!(advised(1.099).holds() && !advised(1.11).holds());
-        assert_eq!(advised(1.11).cells()[8..], ["+11.0 %".to_string(), "misses".into()]);
+        let cells = ["1 of 2, 30 of 40", "+11.0 %", "misses"];
+        assert_eq!(advised(1.11).cells()[8..], cells);
+        assert_eq!(AdviceRow { coverage: None, ..advised(1.0) }.cells()[8], "not counted");
+        assert_eq!(AdviceRow::HEADER.len(), advised(1.0).cells().len());
+    }
+
+    /// Predictions of 10 s that may be 5 % off (twice that counts), and formulas that may be 22 % off, measured at the ends of their
+    /// intervals and beyond.
+    #[test]
+    fn measured_times_inside_their_intervals_are_counted() {
+        let drawn = |by_formulas: bool, seconds: f64| {
+            let (split, how) = (Split { ranks: 1, threads: 1 }, How::OneProcess { region: 8 });
+            let time = FrameTime { raster: 10.0, ..FrameTime::default() };
+            let terms = Terms { draw: 10.0, ..Terms::default() };
+            let formulas = Frame::Formulas { terms, sent: Sums::default() };
+            let frame = if by_formulas { formulas } else { Frame::Threads(time) };
+            Drawn { candidate: Candidate { split, how, frame, assumed: None }, seconds }
+        };
+        let counted = [9.0, 9.1, 10.0, 11.1, 11.2].map(|seconds| drawn(false, seconds));
+        let formulas = [6.9, 7.0, 17.8, 17.9].map(|seconds| drawn(true, seconds));
+        let uncertainty = Some(Uncertainty { residual: 0.05, costs_of: None });
+        let all = counted.into_iter().chain(formulas).collect();
+        let row = Row { model: "m".into(), size: (4, 3), drawn: all, uncertainty };
+        assert_eq!(row.coverage(false), Some(Coverage { inside: 3, of: 5 }));
+        assert_eq!(row.coverage(true), Some(Coverage { inside: 2, of: 4 }));
+        assert_eq!(AdviceRow::from(&row).coverage.map(|both| both[1].inside), Some(2));
+        let none = Row { uncertainty: None, ..row };
+        assert_eq!(none.coverage(true), None);
+        assert_eq!(AdviceRow::from(&none).coverage, None);
     }
 
     #[test]

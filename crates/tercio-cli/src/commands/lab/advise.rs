@@ -94,6 +94,7 @@ impl Answer<'_> {
             json!({
                 "plan": c.describe(), "ranks": c.split.ranks, "threads": c.split.threads,
                 "total_seconds": c.frame.total(), "model": c.frame.model(), "interval_seconds": advice.interval(c),
+                "assumed_seconds": c.assumed,
                 "like_the_best": advice.is_like_the_best(c), "prediction": c.frame,
             })
         };

@@ -65,6 +65,8 @@ pub enum NetworkName {
     Ring,
     /// A square grid.
     Mesh,
+    /// A grid of three dimensions, each closed to a ring.
+    Torus,
     /// A tree whose links double towards the root.
     FatTree,
     /// Everyone to everyone.
@@ -92,6 +94,7 @@ impl From<NetworkName> for Topology {
         match name {
             NetworkName::Ring => Self::Ring,
             NetworkName::Mesh => Self::Mesh,
+            NetworkName::Torus => Self::Torus,
             NetworkName::FatTree => Self::FatTree,
             NetworkName::Crossbar => Self::Crossbar,
         }

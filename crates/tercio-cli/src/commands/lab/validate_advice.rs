@@ -63,5 +63,19 @@ fn text(quoted: &[AdviceRow]) -> String {
         TOLERANCE * 100.0,
         quoted.len()
     );
+    let coverages: Vec<_> = quoted.iter().filter_map(|row| row.coverage).collect();
+    let _ = match &coverages[..] {
+        [] => writeln!(text, "No intervals are stated: the machine's costs are not calibrated."),
+        all => {
+            let sum =
+                |k: usize| all.iter().fold((0, 0), |(inside, of), c| (inside + c[k].inside, of + c[k].of));
+            let ((counted, of_counted), (formulas, of_formulas)) = (sum(0), sum(1));
+            writeln!(
+                text,
+                "Inside the interval stated with its prediction is the measured time of {counted} of {of_counted} ways that are \
+                 counted, and of {formulas} of {of_formulas} that formulas predict."
+            )
+        }
+    };
     text
 }

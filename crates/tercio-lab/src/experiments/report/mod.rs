@@ -76,13 +76,14 @@ enum Page {
 }
 
 impl Page {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Overview,
         Self::Of(Document::Eldridge),
         Self::Of(Document::Hybris),
         Self::Of(Document::Parks),
         Self::Of(Document::McManus),
         Self::Of(Document::Ortega),
+        Self::Of(Document::Others),
         Self::Machines,
         Self::Prediction,
         Self::Numbers,
@@ -104,6 +105,7 @@ impl Page {
             Self::Of(Document::Parks) => "parks.html",
             Self::Of(Document::McManus) => "mcmanus.html",
             Self::Of(Document::Ortega) => "ortega.html",
+            Self::Of(Document::Others) => "others.html",
             Self::Machines => "machines.html",
             Self::Prediction => "prediction.html",
             Self::Numbers => "numbers.html",
@@ -114,6 +116,7 @@ impl Page {
     fn name(self) -> String {
         match self {
             Self::Overview => "overview".into(),
+            Self::Of(Document::Others) => "published scalings".into(),
             Self::Of(document) => {
                 format!("{} {document:?}", document.number())
             }
@@ -126,6 +129,7 @@ impl Page {
     fn title(self) -> String {
         match self {
             Self::Overview => TITLE.into(),
+            Self::Of(Document::Others) => "Published scalings, predicted".into(),
             Self::Of(document) => format!("Document {}", document.number()),
             Self::Machines => "Machines".into(),
             Self::Prediction => "The renderer, predicted and measured".into(),
@@ -154,7 +158,8 @@ impl Page {
 
 const TITLE: &str = "Published graphics machines, reproduced";
 const INTRODUCTION: &str = "Every figure and table of the five documents that follows from a formula or a simulator, \
-    reproduced: data, plot, and result of the comparison. Lost scenes are replaced by our own, and marked so.";
+    reproduced: data, plot, and result of the comparison; and scalings that others published, predicted. \
+    Lost scenes are replaced by our own, and marked so.";
 
 /// The report as one page of Markdown.
 fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {

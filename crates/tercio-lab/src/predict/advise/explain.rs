@@ -156,19 +156,35 @@ impl Advice {
     }
 
     fn how_sure(&self, best: &Candidate) -> String {
+        let range = |[fast, slow]: [f64; 2]| format!("{} to {}", milliseconds(fast), milliseconds(slow));
         let Some([low, high]) = self.interval(best) else {
-            return "the machine has no calibration: its predictions have no stated uncertainty".into();
+            let assumed = best.assumed.map_or_else(String::new, |ends| {
+                format!("; by what is assumed of the machine's numbers alone it takes {}", range(ends))
+            });
+            return format!(
+                "neither the machine nor one whose costs it has was calibrated: its predictions have no stated uncertainty{assumed}"
+            );
         };
         let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
         let most = if high.is_finite() { format!(" to {}", milliseconds(high)) } else { " or more".into() };
+        let whose = match self.uncertainty.as_ref().and_then(|u| u.costs_of.as_deref()) {
+            None => "the residuals of the machine's costs".to_owned(),
+            Some(name) => format!("the residuals of its costs on {name}"),
+        };
         let of = match &best.frame {
-            Frame::Threads(_) => "the residuals of the machine's costs",
+            Frame::Threads(_) => whose,
             Frame::Counted(_) | Frame::Formulas { .. } => {
-                "the measured error of ranks, or the larger residuals of the machine's costs"
+                format!("the measured error of ranks, or {whose} if larger,")
+            }
+        };
+        let of = match best.assumed {
+            None => of,
+            Some(ends) => {
+                format!("{of} and what is assumed of the machine's numbers (alone {})", range(ends))
             }
         };
         format!(
-            "by {of} it takes {}{most}; {like} of the others are not to be told apart from it: their intervals overlap",
+            "by {of} it takes {}{most}; {like} of the others are not to be told apart from it",
             milliseconds(low)
         )
     }

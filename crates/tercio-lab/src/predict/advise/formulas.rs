@@ -11,7 +11,7 @@ use tercio_parallel::{Organisation, Sharing};
 use tercio_scene::Instance;
 
 use super::splits::Split;
-use super::{Candidate, Frame, How};
+use super::{Candidate, Frame, How, ends};
 use crate::machines::{Machine, Topology};
 use crate::predict::PredictError;
 use crate::predict::choose;
@@ -22,7 +22,7 @@ use crate::predict::choose::terms::Stage;
 use crate::predict::choose::wires::{Wire, Wires};
 use crate::predict::counts::count;
 use crate::predict::frame::FrameTime;
-use crate::predict::ranks::{Picture, on_threads};
+use crate::predict::ranks::Picture;
 
 /// One thread, that has messages with nobody.
 pub(super) fn alone(rates: &Rates) -> Stage<'_> {
@@ -62,11 +62,19 @@ pub fn ranks(
     processors: Option<usize>,
 ) -> Result<Vec<Candidate>, PredictError> {
     let rates = rates(machine, picture)?;
-    let one = on_threads(machine, picture, None, 1)?.total();
-    let mut shares = BTreeMap::from([(1, 1.0)]);
-    for threads in splits.iter().map(|split| split.threads).filter(|&n| n > 1).collect::<BTreeSet<_>>() {
-        let together = on_threads(machine, picture, None, threads)?.total();
-        shares.insert(threads, if one > 0.0 { together / one } else { 1.0 });
+    let of_ends = ends::ends(machine);
+    // Of the machine, and at both ends of what is assumed of it.
+    let seconds = |threads: usize| -> Result<[f64; 3], PredictError> {
+        let (time, at_ends) = ends::on_threads(machine, of_ends.as_ref(), picture, None, threads)?;
+        let [fast, slow] = at_ends.unwrap_or([time.total(); 2]);
+        Ok([time.total(), fast, slow])
+    };
+    let one = seconds(1)?;
+    let mut shares = BTreeMap::new();
+    for threads in splits.iter().map(|split| split.threads).collect::<BTreeSet<_>>() {
+        let together = if threads > 1 { seconds(threads)? } else { one };
+        let share = |k: usize| if one[k] > 0.0 { together[k] / one[k] } else { 1.0 };
+        shares.insert(threads, std::array::from_fn::<f64, 3, _>(share));
     }
     let numbers: BTreeSet<usize> = splits.iter().map(|split| split.ranks).collect();
     let of_ranks = |&ranks: &usize| -> Result<Vec<Candidate>, PredictError> {
@@ -76,11 +84,20 @@ pub fn ranks(
         for &split in splits.iter().filter(|split| split.ranks == ranks) {
             let wires = Wires::of(machine, topology, ranks, split.threads)?;
             let processors = processors.unwrap_or(split.processors()) as f64;
-            let stage = Stage { rates: &rates, wires, share: shares[&split.threads], processors };
-            let predicted = sights.predict(&sharings, &stage)?;
-            found.extend(predicted.into_iter().map(|p| {
+            let shares = &shares[&split.threads];
+            let stage = |wires, share| Stage { rates: &rates, wires, share, processors };
+            let mut at_ends = Vec::new();
+            for (end, &share) in of_ends.iter().flatten().zip(&shares[1..]) {
+                // All costs are so many times as high: then that is the unit of time, in which only messages differ.
+                let wires = Wires::of(&end.machine, topology, ranks, split.threads)?.in_units_of(end.costs);
+                let predicted = sights.predict(&sharings, &stage(wires, share))?;
+                at_ends.push(predicted.iter().map(|p| p.terms.total() * end.costs).collect::<Vec<_>>());
+            }
+            let predicted = sights.predict(&sharings, &stage(wires, shares[0]))?;
+            found.extend(predicted.into_iter().enumerate().map(|(k, p)| {
                 let frame = Frame::Formulas { terms: p.terms, sent: p.sent };
-                Candidate { split, how: How::Ranks { sharing: p.sharing, region: None }, frame }
+                let assumed = if let [fast, slow] = &at_ends[..] { Some([fast[k], slow[k]]) } else { None };
+                Candidate { split, how: How::Ranks { sharing: p.sharing, region: None }, frame, assumed }
             }));
         }
         Ok(found)

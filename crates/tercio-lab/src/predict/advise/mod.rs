@@ -12,10 +12,12 @@
 //! |---|---|
 //! | [`splits`] | ranks and threads that are compared |
 //! | [`formulas`] | the formulas, with the costs of a machine |
+//! | [`ends`] | assumed numbers of a machine at their ends |
 //! | [`uncertainty`] | how far a prediction may be off |
 //! | [`explain`] | the advice in words |
 //! | [`simulated`] | the simulator's candidates |
 
+pub mod ends;
 pub mod explain;
 pub mod formulas;
 pub mod simulated;
@@ -29,7 +31,7 @@ use super::PredictError;
 use super::choose::terms::{Sums, Terms};
 use super::frame::FrameTime;
 use super::ranks::renderer::RanksFrame;
-use super::ranks::{MOST_RANKS, Picture, Plan, Simulated, TILE_EDGES, on_threads, predict};
+use super::ranks::{MOST_RANKS, Picture, Plan, Simulated, TILE_EDGES, predict};
 use crate::machines::{Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use splits::Split;
@@ -44,6 +46,8 @@ pub struct Candidate {
     pub how: How,
     /// The prediction.
     pub frame: Frame,
+    /// Its seconds with the numbers that are assumed of the machine at their fast and their slow ends, if any are.
+    pub assumed: Option<[f64; 2]>,
 }
 
 /// How the renderer uses processors.
@@ -105,22 +109,22 @@ impl Frame {
 pub struct Advice {
     /// The fastest first; of equally fast ones that which comes first among the candidates. Empty where [`why_not`] has a reason.
     pub candidates: Vec<Candidate>,
-    /// How far the predictions may be off; `None` if the machine has no calibration.
+    /// How far the predictions may be off; `None` if neither the machine nor that whose costs it has was calibrated.
     pub uncertainty: Option<Uncertainty>,
     /// Splits that were not predicted, because they have more than [`splits::MOST_BY_FORMULAS`] ranks.
     pub left_out: usize,
 }
 
 impl Advice {
-    /// The seconds between which a candidate's frame lies, if the machine has a calibration.
+    /// The seconds between which a candidate's frame lies, if that is known.
     pub fn interval(&self, candidate: &Candidate) -> Option<[f64; 2]> {
-        Some(self.uncertainty?.interval(&candidate.frame))
+        Some(self.uncertainty.as_ref()?.interval(candidate))
     }
 
-    /// Whether the intervals of a candidate and of the best one overlap.
+    /// Whether a candidate is not to be told apart from the best one: [`Uncertainty::may_be_as_fast`].
     pub fn is_like_the_best(&self, candidate: &Candidate) -> Option<bool> {
         let best = self.candidates.first()?;
-        Some(self.interval(candidate)?[0] <= self.interval(best)?[1])
+        Some(self.uncertainty.as_ref()?.may_be_as_fast(candidate, best))
     }
 }
 
@@ -167,11 +171,13 @@ fn one_process(
     processors: usize,
 ) -> Result<Vec<Candidate>, PredictError> {
     let mut candidates = Vec::new();
+    let of_ends = ends::ends(machine);
     for threads in splits::threads(machine, processors) {
         for region in TILE_EDGES {
-            let frame = Frame::Threads(on_threads(machine, picture, Some(region), threads)?);
+            let (time, assumed) =
+                ends::on_threads(machine, of_ends.as_ref(), picture, Some(region), threads)?;
             let (split, how) = (Split { ranks: 1, threads }, How::OneProcess { region });
-            candidates.push(Candidate { split, how, frame });
+            candidates.push(Candidate { split, how, frame: Frame::Threads(time), assumed });
         }
     }
     Ok(candidates)
@@ -193,6 +199,9 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
         let Some(best) = candidates.first_mut() else { break };
         let Some(plan) = best.counted() else { break };
         let Ok(frame) = predict(machine, picture, &plan)? else { break };
+        // Counting moves both ends alike.
+        let moved = frame.total() / best.frame.total();
+        best.assumed = best.assumed.map(|ends| ends.map(|seconds| seconds * moved));
         best.frame = Frame::Counted(Box::new(frame));
         best_plan = Some((best.clone(), plan));
         sort(candidates);

@@ -8,6 +8,7 @@ use crate::machines::builtin;
 use crate::predict::calibrate::prepare;
 use crate::predict::choose::sights::Sights;
 use crate::predict::counts::Counters;
+use crate::predict::ranks::on_threads;
 use crate::predict::views;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 
@@ -103,12 +104,17 @@ fn the_best_is_explained_and_what_was_compared_is_said() {
     assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
     let number = advice.candidates.len();
     assert!(lines[0].contains(&format!("fastest of the {number} candidates")), "{lines:?}");
+    let sure = if advice.uncertainty.is_some() {
+        "assumed of the machine's numbers"
+    } else {
+        "no stated uncertainty"
+    };
     assert!(
         lines[1].contains("1, 2, 3, 4 threads") && lines[1].contains("2 x 1, 2 x 2, 3 x 1, 4 x 1"),
         "{lines:?}"
     );
     assert!(lines[2].starts_with("not compared are other tiles of ranks"), "{lines:?}");
-    assert!(lines[3].contains("no stated uncertainty"), "{lines:?}");
+    assert!(lines[3].contains(sure), "{lines:?}");
     // The best, the search, what is missing, the uncertainty, and the classes threads, sort-first, -middle, -last and -twice but one.
     assert_eq!(lines.len(), 4 + 4, "{lines:?}");
     assert!(!lines[2].contains("splits of more than"), "{lines:?}");
@@ -206,19 +212,80 @@ fn the_best_ranks_are_counted() {
 
 /// Predictions 5 % off: the best takes 0.91 to 1.11 s; 1.2 s may be 1.09, and 1.3 at least 1.18.
 #[test]
-fn candidates_like_the_best_are_those_whose_intervals_overlap() {
+fn candidates_like_the_best_are_those_that_may_be_as_fast() {
     let candidate = |raster| {
         let (split, how) = (Split { ranks: 1, threads: 1 }, How::OneProcess { region: 8 });
-        Candidate { split, how, frame: Frame::Threads(FrameTime { raster, ..FrameTime::default() }) }
+        Candidate {
+            split,
+            how,
+            frame: Frame::Threads(FrameTime { raster, ..FrameTime::default() }),
+            assumed: None,
+        }
     };
     let candidates = [1.0, 1.2, 1.3].map(candidate).into();
-    let advice = Advice { candidates, uncertainty: Some(Uncertainty { residual: 0.05 }), left_out: 0 };
+    let advice =
+        Advice { candidates, uncertainty: Some(Uncertainty { residual: 0.05, costs_of: None }), left_out: 0 };
     let like = advice.candidates.iter().map(|c| advice.is_like_the_best(c)).collect::<Vec<_>>();
     assert_eq!(like, [Some(true), Some(true), Some(false)]);
     let sure = &advice.explanation()[3];
     assert!(sure.contains("it takes 909.091 ms to 1111.111 ms; 1 of the others"), "{sure}");
+    // What is assumed of the machine moves both: intervals overlap, but with the same numbers 1.3 s are never 1.
+    let both = |ends: [[f64; 2]; 2]| {
+        let mut two = advice.clone();
+        two.candidates.remove(1);
+        two.candidates.iter_mut().zip(ends).for_each(|(c, ends)| c.assumed = Some(ends));
+        let [best, other] = [0, 1].map(|k| two.interval(&two.candidates[k]).unwrap());
+        assert!(other[0] < best[1], "{other:?} {best:?}");
+        two.is_like_the_best(&two.candidates[1])
+    };
+    assert_eq!(both([[0.5, 2.0], [0.65, 2.6]]), Some(false));
+    assert_eq!(both([[0.5, 2.0], [0.59, 2.6]]), Some(true));
+    assert_eq!(both([[0.5, 2.0], [0.65, 2.3]]), Some(true));
     let none = Advice { uncertainty: None, ..advice };
     assert_eq!(none.is_like_the_best(&none.candidates[1]), None);
+}
+
+/// Slower numbers make slower frames; with borrowed residuals every candidate has an interval around its prediction.
+#[test]
+fn what_is_assumed_of_a_machine_is_propagated_to_every_candidate() {
+    let Advice { candidates, .. } = advice("server-128", "builtin:gyroid@5k", 4, None);
+    for c in &candidates {
+        let ([fast, slow], seconds) = (c.assumed.unwrap(), c.frame.total());
+        assert!(fast < seconds && seconds < slow, "{} {fast} {seconds} {slow}", c.describe());
+    }
+    let uncertainty = Some(Uncertainty { residual: 0.05, costs_of: Some("two-core-2026".into()) });
+    let advice = Advice { candidates, uncertainty, left_out: 0 };
+    for c in &advice.candidates {
+        let ([low, high], [fast, slow]) = (advice.interval(c).unwrap(), c.assumed.unwrap());
+        assert!(low < fast && slow < high, "{}", c.describe());
+    }
+    let sure = &advice.explanation()[2];
+    assert!(sure.contains("on two-core-2026") && sure.contains("assumed of the machine's numbers"), "{sure}");
+}
+
+/// Costs, messages and bandwidths that are all off by the same factor move a frame by that factor: on threads and ranks.
+#[test]
+fn frames_are_homogeneous_in_what_is_assumed() {
+    let (scene, camera, settings) = made("builtin:gyroid@5k", (160, 120));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let mut machine = builtin("cluster-64").unwrap().unwrap();
+    let off = Some(crate::machines::Sourced::new(1.0, "100 %".into(), "assumed".into()));
+    machine.uncertainty = Some(crate::machines::Assumptions {
+        costs: off.clone(),
+        memory_bandwidth: off.clone(),
+        network_bandwidth: off.clone(),
+        message: off,
+        ..Default::default()
+    });
+    let splits =
+        [Split { ranks: 4, threads: 1 }, Split { ranks: 256, threads: 1 }, Split { ranks: 4, threads: 64 }];
+    let ranks = formulas::ranks(&machine, &picture, None, &splits, None).unwrap();
+    let threads = one_process(&machine, &picture, 8).unwrap();
+    for c in ranks.iter().chain(&threads) {
+        let ([fast, slow], seconds) = (c.assumed.unwrap(), c.frame.total());
+        assert!((2.0 * fast / seconds - 1.0).abs() < 1e-6, "{} {fast} {seconds}", c.describe());
+        assert!((slow / seconds / 2.0 - 1.0).abs() < 1e-6, "{} {slow} {seconds}", c.describe());
+    }
 }
 
 #[test]

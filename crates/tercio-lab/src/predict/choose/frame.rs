@@ -220,12 +220,9 @@ impl Divided {
             messages += f64::from(u8::from(finishes(rank) > 0.0));
         }
         let bytes = pixels * rates.finished_bytes;
-        let all = Reach { within: ranks, stride: 1 };
         // Others have nothing to do now: rank 0 works with one thread.
-        let first = cleared + pixels * rates.collected[1] + messages * stage.wires.busy(all);
-        let into = Load { into: bytes, ..Load::default() };
-        let wire =
-            if messages > 0.0 { stage.wires.latency(all) + stage.wires.ports(&[into], all) } else { 0.0 };
-        (packing + wire + first, Sums { messages, bytes })
+        let first = cleared + pixels * rates.collected[1];
+        let sent = Sums { messages, bytes };
+        (packing + stage.to_the_first(&sent, ranks) + first, sent)
     }
 }

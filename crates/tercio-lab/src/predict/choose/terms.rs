@@ -105,6 +105,17 @@ impl Stage<'_> {
         work + self.wires.ports(loads, reach) + self.wires.latency(reach)
     }
 
+    /// Seconds in which messages of all other ranks reach the first, one after another, without its work on what is in them.
+    pub fn to_the_first(&self, sent: &Sums, ranks: usize) -> f64 {
+        if sent.messages == 0.0 {
+            return 0.0;
+        }
+        let all = Reach { within: ranks, stride: 1 };
+        let into = Load { into: sent.bytes, ..Load::default() };
+        let wires = &self.wires;
+        sent.messages * wires.busy(all) + wires.latency(all) + wires.ports(&[into], all)
+    }
+
     /// The same if this many ranks of so many, scattered evenly among them, have the same load.
     pub fn exchange_evenly(&self, load: &Load, (ranks, of): (usize, usize), reach: Reach) -> f64 {
         let ports = self.wires.ports_evenly(load.out.max(load.into), (ranks, of), reach);

@@ -93,6 +93,17 @@ impl Wires {
         Ok(Self { between, inside })
     }
 
+    /// The same with a unit of time that is so many seconds.
+    #[must_use]
+    pub fn in_units_of(self, seconds: f64) -> Self {
+        let of = |wire: Wire| Wire {
+            latency: wire.latency / seconds,
+            busy: wire.busy / seconds,
+            bandwidth: wire.bandwidth * seconds,
+        };
+        Self { between: of(self.between), inside: self.inside.map(|(node, wire)| (node, of(wire))) }
+    }
+
     /// The share of the ranks' partners that is on their own node, in the mean over all places that groups of consecutive ranks have
     /// on the nodes.
     fn share_inside(&self, reach: Reach) -> f64 {

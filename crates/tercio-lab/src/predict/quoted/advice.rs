@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{QuotedRow, milliseconds};
-use crate::predict::validate_advice::{Row, TOLERANCE};
+use crate::predict::validate_advice::{Coverage, Row, TOLERANCE};
 
 /// A model at one size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,6 +27,10 @@ pub struct AdviceRow {
     pub best_measured: f64,
     /// Root mean square of predicted over measured, minus 1: of what was counted, and of the formulas.
     pub errors: [f64; 2],
+    /// Measured times inside their stated intervals, of the same two; `None` if no intervals are stated, or
+    /// nobody counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<[Coverage; 2]>,
 }
 
 impl AdviceRow {
@@ -50,6 +54,7 @@ impl From<&Row> for AdviceRow {
             measured: milliseconds(advised.seconds),
             best_measured: milliseconds(best.seconds),
             errors: [share(false), share(true)],
+            coverage: row.coverage(false).zip(row.coverage(true)).map(Into::into),
         }
     }
 }
@@ -64,6 +69,7 @@ impl QuotedRow for AdviceRow {
         "fastest",
         "its ms",
         "errors: counted, formulas",
+        "inside their interval: counted, formulas",
         "loss",
         "verdict",
     ];
@@ -78,6 +84,9 @@ impl QuotedRow for AdviceRow {
             self.best.clone(),
             format!("{:.2}", self.best_measured),
             format!("{:.0} %, {:.0} %", self.errors[0] * 100.0, self.errors[1] * 100.0),
+            self.coverage.map_or("not counted".into(), |both| {
+                both.map(|c| format!("{} of {}", c.inside, c.of)).join(", ")
+            }),
             format!("{:+.1} %", self.loss() * 100.0),
             if self.holds() { "holds" } else { "misses" }.into(),
         ]

@@ -154,8 +154,8 @@ pub struct Links {
 }
 
 impl Links {
-    /// Idle links between `processors`, which are numbered node by node, along the ring, row by row through the mesh,
-    /// and from left to right below the tree.
+    /// Idle links between `processors`, which are numbered node by node, along the ring, row by row through the mesh
+    /// and each plane of the torus, and from left to right below the tree.
     pub fn new(network: &NetworkModel, processors: usize) -> Self {
         let n = processors.max(1);
         let none = || [vec![0; n], vec![0; n]];
@@ -234,6 +234,8 @@ enum Loads {
     Ring([Vec<i64>; 2]),
     /// Rows of `side` links, right and left; columns, down and up.
     Mesh { side: usize, rows: [Vec<i64>; 2], columns: [Vec<i64>; 2] },
+    /// Rings along each dimension, one after the other, upwards and downwards.
+    Torus { sides: [usize; 3], lines: [[Vec<i64>; 2]; 3] },
     /// Links above the nodes of each level, leaves first: up and down.
     FatTree(Vec<[Vec<u64>; 2]>),
     /// Into the switch and out of it.
@@ -253,6 +255,11 @@ impl Level {
                 let lines = || [vec![0; side * (side + 1)], vec![0; side * (side + 1)]];
                 Loads::Mesh { side, rows: lines(), columns: lines() }
             }
+            Topology::Torus => {
+                let sides = sides_of_torus(n);
+                let lines = sides.map(|side| [0, 1].map(|_| vec![0; n / side * (2 * side + 1)]));
+                Loads::Torus { sides, lines }
+            }
             Topology::FatTree => {
                 let levels = n.next_power_of_two().trailing_zeros();
                 Loads::FatTree((0..levels).map(|l| [vec![0; (n >> l) + 1], vec![0; (n >> l) + 1]]).collect())
@@ -266,17 +273,24 @@ impl Level {
     fn send(&mut self, from: usize, to: usize, bytes: u64) {
         let n = self.ends;
         let hops = match &mut self.loads {
-            Loads::Ring(lines) => {
-                let up = (to + n - from) % n;
-                let down = n - up;
-                // The shorter direction; upwards if both are equal.
-                if up <= down {
-                    add(&mut lines[0], from, from + up, bytes);
-                    up
-                } else {
-                    add(&mut lines[1], to, to + down, bytes);
-                    down
+            Loads::Ring(lines) => add_round(lines, 0, n, (from, to), bytes),
+            Loads::Torus { sides, lines } => {
+                let [x, y, _] = *sides;
+                let place = |k: usize| [k % x, k / x % y, k / (x * y)];
+                let (mut at, end) = (place(from), place(to));
+                let mut hops = 0;
+                for (dimension, (&side, lines)) in sides.iter().zip(lines).enumerate() {
+                    // Which of the rings along this dimension.
+                    let ring = match dimension {
+                        0 => at[1] + y * at[2],
+                        1 => at[0] + x * at[2],
+                        _ => at[0] + x * at[1],
+                    };
+                    let start = ring * (2 * side + 1);
+                    hops += add_round(lines, start, side, (at[dimension], end[dimension]), bytes);
+                    at[dimension] = end[dimension];
                 }
+                hops
             }
             Loads::Mesh { side, rows, columns } => {
                 let ((x0, y0), (x1, y1)) = ((from % *side, from / *side), (to % *side, to / *side));
@@ -315,6 +329,13 @@ impl Level {
                 let n = self.ends;
                 lines.iter().map(|l| busiest_of_ring(l, n)).max().unwrap_or(0) as f64
             }
+            Loads::Torus { sides, lines } => {
+                let of = |(&side, lines): (&usize, &[Vec<i64>; 2])| {
+                    let rings = lines.iter().flat_map(|line| line.chunks(2 * side + 1));
+                    rings.map(|ring| busiest_of_ring(ring, side)).max().unwrap_or(0)
+                };
+                sides.iter().zip(lines).map(of).max().unwrap_or(0) as f64
+            }
             Loads::Mesh { side, rows, columns } => {
                 let lines = rows.iter().chain(columns);
                 lines.flat_map(|l| l.chunks(*side + 1)).map(busiest).max().unwrap_or(0) as f64
@@ -329,6 +350,36 @@ impl Level {
             Loads::Crossbar(ports) => ports.iter().flatten().copied().max().unwrap_or(0) as f64,
             Loads::Shared(all) => *all as f64,
         }
+    }
+}
+
+/// Ends along each dimension of a torus of `n`: as near to a cube as divisors of `n` allow.
+fn sides_of_torus(n: usize) -> [usize; 3] {
+    let divisor = |n: usize, power: u32| {
+        (1..=n).take_while(|d| d.pow(power) <= n).filter(|&d| n.is_multiple_of(d)).last().unwrap_or(1)
+    };
+    let x = divisor(n, 3);
+    let y = divisor(n / x, 2);
+    [x, y, n / x / y]
+}
+
+/// Adds bytes on the way round a ring of `n` ends whose unrolled lines begin at `start`, in the shorter direction, upwards if both
+/// are equal; the hops.
+fn add_round(
+    lines: &mut [Vec<i64>; 2],
+    start: usize,
+    n: usize,
+    (from, to): (usize, usize),
+    bytes: u64,
+) -> usize {
+    let up = (to + n - from) % n;
+    let down = n - up;
+    if up <= down {
+        add(&mut lines[0], start + from, start + from + up, bytes);
+        up
+    } else {
+        add(&mut lines[1], start + to, start + to + down, bytes);
+        down
     }
 }
 
@@ -384,6 +435,17 @@ mod tests {
                 let next = match topology {
                     Topology::Ring if (to + n - at) % n <= n - (to + n - at) % n => (at + 1) % n,
                     Topology::Ring => (at + n - 1) % n,
+                    Topology::Torus => {
+                        let [x, y, z] = sides_of_torus(n);
+                        // A step of one dimension: its length, its ring, and how many numbers further the next end is.
+                        let step = |stride: usize, side: usize| {
+                            let (a, b) = (at / stride % side, to / stride % side);
+                            let up = (b + side - a) % side <= side - (b + side - a) % side;
+                            let next = if up { (a + 1) % side } else { (a + side - 1) % side };
+                            (a != b).then_some(at - a * stride + next * stride)
+                        };
+                        step(1, x).or_else(|| step(x, y)).or_else(|| step(x * y, z)).unwrap()
+                    }
                     _ => {
                         let side = (1..).find(|s| s * s >= n).unwrap();
                         match (at % side).cmp(&(to % side)) {
@@ -438,6 +500,21 @@ mod tests {
     }
 
     #[test]
+    fn a_torus_by_hand() {
+        assert_eq!(
+            [8, 12, 60, 7, 8192].map(sides_of_torus),
+            [[2, 2, 2], [2, 2, 3], [3, 4, 5], [1, 1, 7], [16, 16, 32]]
+        );
+        // 27 ends: from (0, 0, 0) to (2, 1, 0) is one step back round x, one along y; a second message shares the latter.
+        let t = traffic(Topology::Torus, 27, &[(0, 5, 10), (2, 5, 7)]);
+        assert_eq!((t.busiest_link, t.most_hops), (17.0, 2));
+        // Three rings carry more than one.
+        let all: Vec<_> = (0..64).flat_map(|a| (0..64).map(move |b| (a, b, 3))).collect();
+        let [torus, ring] = [Topology::Torus, Topology::Ring].map(|of| traffic(of, 64, &all).busiest_link);
+        assert!(torus * 4.0 < ring, "{torus} {ring}");
+    }
+
+    #[test]
     fn a_tree_carries_all_to_all_as_well_as_a_crossbar() {
         let all: Vec<_> = (0..16).flat_map(|a| (0..16).map(move |b| (a, b, 3))).collect();
         let tree = traffic(Topology::FatTree, 16, &all);
@@ -458,7 +535,7 @@ mod tests {
             messages in prop::collection::vec((0usize..40, 0usize..40, 1u64..9), 0..60),
         ) {
             let messages: Vec<_> = messages.into_iter().map(|(a, b, w)| (a % n, b % n, w)).collect();
-            for topology in [Topology::Ring, Topology::Mesh] {
+            for topology in [Topology::Ring, Topology::Mesh, Topology::Torus] {
                 let walked = reference(topology, n, &messages);
                 prop_assert_eq!(traffic(topology, n, &messages).busiest_link, walked as f64);
             }
