@@ -72,6 +72,9 @@ pub struct Assumptions {
     /// The built-in machine whose costs these are: its calibration's residuals count for this machine, too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub costs_of: Option<String>,
+    /// Root mean square of the residuals of these costs, predicted over measured time minus 1, if that machine has no calibration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual: Option<Sourced<Ratio>>,
     /// All costs may be that much higher, or lower by the same factor: 25 % is 1.25 times as long, or 1 / 1.25 times.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub costs: Option<Sourced<Ratio>>,

@@ -379,6 +379,8 @@ pub fn prepare(mesh: Mesh) -> (Scene, tercio_mesh::Aabb) {
 
 #[cfg(test)]
 mod tests {
+    use tercio_mesh::builtin;
+
     use super::*;
     use crate::machines::parse;
 

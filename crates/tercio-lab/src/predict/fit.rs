@@ -8,7 +8,7 @@ const ROUNDS: usize = 40;
 /// squares, each time with the weights of the last deviations. Deterministic.
 pub fn two_terms(terms: &[[f64; 2]], excess: &[f64], times: &[f64]) -> [f64; 2] {
     /// Deviations below this share of a frame's time are noise, all alike.
-    const SMALL: f64 = 0.01;
+    const SMALL: f64 = 1e-3;
     let mut values = [0.0; 2];
     let mut weights = vec![1.0; terms.len()];
     for _ in 0..ROUNDS {

@@ -282,7 +282,7 @@ mod tests {
         };
         let counted = [9.0, 9.1, 10.0, 11.1, 11.2].map(|seconds| drawn(false, seconds));
         let formulas = [6.9, 7.0, 17.8, 17.9].map(|seconds| drawn(true, seconds));
-        let uncertainty = Some(Uncertainty { residual: 0.05, costs_of: None });
+        let uncertainty = Some(Uncertainty { residual: 0.05, costs_of: None, is_assumed: false });
         let all = counted.into_iter().chain(formulas).collect();
         let row = Row { model: "m".into(), size: (4, 3), drawn: all, uncertainty };
         assert_eq!(row.coverage(false), Some(Coverage { inside: 3, of: 5 }));

@@ -80,6 +80,7 @@ mod tests {
         machine.processors.memory_bandwidth = Some(Sourced::new(1e9, "1 GB/s".into(), String::new()));
         machine.uncertainty = Some(Assumptions {
             costs_of: None,
+            residual: None,
             costs: off(1.0),
             memory_bandwidth: off(0.25),
             network_bandwidth: off(3.0),

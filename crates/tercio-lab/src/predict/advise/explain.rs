@@ -167,7 +167,12 @@ impl Advice {
         };
         let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
         let most = if high.is_finite() { format!(" to {}", milliseconds(high)) } else { " or more".into() };
-        let whose = match self.uncertainty.as_ref().and_then(|u| u.costs_of.as_deref()) {
+        let of_costs = self.uncertainty.as_ref();
+        let whose = match of_costs.and_then(|u| u.costs_of.as_deref()) {
+            _ if of_costs.is_some_and(|u| u.is_assumed) => {
+                let residual = of_costs.map_or(0.0, |u| u.residual * 100.0);
+                format!("residuals of its costs that are assumed ({residual:.1} %)")
+            }
             None => "the residuals of the machine's costs".to_owned(),
             Some(name) => format!("the residuals of its costs on {name}"),
         };

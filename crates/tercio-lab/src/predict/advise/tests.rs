@@ -223,8 +223,11 @@ fn candidates_like_the_best_are_those_that_may_be_as_fast() {
         }
     };
     let candidates = [1.0, 1.2, 1.3].map(candidate).into();
-    let advice =
-        Advice { candidates, uncertainty: Some(Uncertainty { residual: 0.05, costs_of: None }), left_out: 0 };
+    let advice = Advice {
+        candidates,
+        uncertainty: Some(Uncertainty { residual: 0.05, costs_of: None, is_assumed: false }),
+        left_out: 0,
+    };
     let like = advice.candidates.iter().map(|c| advice.is_like_the_best(c)).collect::<Vec<_>>();
     assert_eq!(like, [Some(true), Some(true), Some(false)]);
     let sure = &advice.explanation()[3];
@@ -253,13 +256,14 @@ fn what_is_assumed_of_a_machine_is_propagated_to_every_candidate() {
         let ([fast, slow], seconds) = (c.assumed.unwrap(), c.frame.total());
         assert!(fast < seconds && seconds < slow, "{} {fast} {seconds} {slow}", c.describe());
     }
-    let uncertainty = Some(Uncertainty { residual: 0.05, costs_of: Some("two-core-2026".into()) });
+    let uncertainty =
+        Some(Uncertainty { residual: 0.05, costs_of: Some("two-core-2026".into()), is_assumed: false });
     let advice = Advice { candidates, uncertainty, left_out: 0 };
     for c in &advice.candidates {
         let ([low, high], [fast, slow]) = (advice.interval(c).unwrap(), c.assumed.unwrap());
         assert!(low < fast && slow < high, "{}", c.describe());
     }
-    let sure = &advice.explanation()[2];
+    let sure = &advice.explanation()[3];
     assert!(sure.contains("on two-core-2026") && sure.contains("assumed of the machine's numbers"), "{sure}");
 }
 

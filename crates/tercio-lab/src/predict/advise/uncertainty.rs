@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::{Candidate, Frame};
-use crate::machines::{Calibration, Machine, builtin};
+use crate::machines::{Machine, builtin};
 
 /// Relative errors that an interval is wide, to each side.
 const WIDTH: f64 = 2.0;
 
-/// Root mean square of predicted over measured time, minus 1, of 500 ways to share a frame that formulas predict
-/// (docs/laboratory/advice.md): of two to four ranks of one thread, on one machine. Ranks that are counted were not among them; they
-/// are taken to be no better.
+/// Root mean square of predicted over measured time, minus 1, of 500 ways to share a frame that formulas predict,
+/// on another machine than that of docs/laboratory/advice.md, where it is 27 % of more ways: of two to four ranks of one thread, on
+/// one machine. Ranks that are counted were not among them; they are taken to be no better.
 pub const OF_RANKS: f64 = 0.22;
 
 /// The uncertainty of predictions with the costs of a calibrated machine. What is assumed of another machine that has these costs
@@ -21,21 +21,23 @@ pub struct Uncertainty {
     pub residual: f64,
     /// The machine that was calibrated, if it is another one.
     pub costs_of: Option<String>,
+    /// Whether the residual was not measured with these costs, but is assumed.
+    pub is_assumed: bool,
 }
 
 impl Uncertainty {
-    /// That of a machine's costs, by its calibration or by that of the machine whose costs it has; `None` without either: then nobody
-    /// knows.
+    /// That of a machine's costs, by its calibration, by that of the machine whose costs it has, or as it is assumed; `None` without
+    /// any of these: then nobody knows.
     pub fn of(machine: &Machine) -> Option<Self> {
         if let Some(own) = &machine.calibration {
-            return Some(Self::by(own, None));
+            return Some(Self { residual: own.residual.value, costs_of: None, is_assumed: false });
         }
-        let name = machine.uncertainty.as_ref()?.costs_of.as_deref()?;
-        Some(Self::by(builtin(name)?.ok()?.calibration.as_ref()?, Some(name)))
-    }
-
-    fn by(calibration: &Calibration, costs_of: Option<&str>) -> Self {
-        Self { residual: calibration.residual.value, costs_of: costs_of.map(str::to_owned) }
+        let assumed = machine.uncertainty.as_ref()?;
+        let name = assumed.costs_of.as_deref();
+        let other = name.and_then(|name| builtin(name)?.ok()?.calibration);
+        let is_assumed = other.is_none();
+        let residual = other.map(|c| c.residual.value).or(assumed.residual.as_ref().map(|r| r.value))?;
+        Some(Self { residual, costs_of: name.map(str::to_owned), is_assumed })
     }
 
     /// Root mean square of predicted over measured time, minus 1, that is assumed of a frame. That of ranks was measured with fitted
@@ -82,7 +84,7 @@ mod tests {
     use super::super::splits::Split;
     use super::super::{How, ends};
     use super::*;
-    use crate::machines::Sourced;
+    use crate::machines::{Calibration, Sourced};
     use crate::predict::choose::terms::{Sums, Terms};
     use crate::predict::frame::FrameTime;
 
@@ -119,7 +121,7 @@ mod tests {
         let wider = uncertainty.interval(&of(Frame::Formulas { terms, sent: Sums::default() }));
         assert!(wider[0] < low && wider[1] > high, "{wider:?}");
         // Costs that miss by half say nothing of how slow a frame may be.
-        let useless = Uncertainty { residual: 0.5, costs_of: None };
+        let useless = Uncertainty { residual: 0.5, ..uncertainty.clone() };
         assert_eq!(useless.interval(&frame), [5.5, f64::INFINITY]);
         // The ends of what is assumed come first.
         let assumed = Candidate { assumed: Some([5.5, 22.0]), ..frame };
@@ -130,18 +132,22 @@ mod tests {
         );
     }
 
-    /// A machine has the residuals of that whose costs it has, as soon as that one has any; its own come first.
+    /// A machine has the residuals of that whose costs it has, as soon as that one has any, and otherwise those assumed; its own come first.
     #[test]
     fn borrowed_costs_have_the_residuals_of_their_machine() {
         for name in ["server-128", "cluster-64"] {
             let mut machine = builtin(name).unwrap().unwrap();
             let lender = machine.uncertainty.clone().unwrap().costs_of.unwrap();
             let theirs = builtin(&lender).unwrap().unwrap().calibration.map(|c| c.residual.value);
-            let borrowed = Uncertainty::of(&machine);
-            assert_eq!(borrowed.as_ref().map(|u| u.residual), theirs, "{name}");
-            assert!(borrowed.is_none_or(|u| u.costs_of == Some(lender)), "{name}");
+            let stated = machine.uncertainty.clone().unwrap().residual.map(|r| r.value);
+            let borrowed = Uncertainty::of(&machine).unwrap();
+            assert_eq!(Some(borrowed.residual), theirs.or(stated), "{name}");
+            assert!(borrowed.is_assumed == theirs.is_none() && borrowed.costs_of == Some(lender), "{name}");
+            machine.uncertainty.as_mut().unwrap().residual = None;
+            assert_eq!(Uncertainty::of(&machine).map(|u| u.residual), theirs, "{name}");
             machine.calibration = Some(calibration(0.07));
-            assert_eq!(Uncertainty::of(&machine), Some(Uncertainty { residual: 0.07, costs_of: None }));
+            let own = Uncertainty { residual: 0.07, costs_of: None, is_assumed: false };
+            assert_eq!(Uncertainty::of(&machine), Some(own));
             assert!(ends::ends(&machine).is_some(), "{name}: what is assumed of it");
         }
     }
