@@ -94,7 +94,7 @@ mod tests {
         let (serial, wake_up) = (0.05, 30e-6);
         let frames: Vec<f64> = (1..40).map(|i| 1e-4 * f64::from(i)).collect();
         let terms: Vec<[f64; 2]> = frames.iter().map(|t| [t / 2.0, 0.5]).collect();
-        let disturbed = |i: usize| if i % 5 == 0 { 0.4 * frames[i] } else { 0.0 };
+        let disturbed = |i: usize| if i.is_multiple_of(5) { 0.4 * frames[i] } else { 0.0 };
         let excess: Vec<f64> =
             (0..frames.len()).map(|i| terms[i][0] * serial + terms[i][1] * wake_up + disturbed(i)).collect();
         let found = two_terms(&terms, &excess, &frames);
