@@ -203,26 +203,28 @@ impl FrameTime {
 }
 
 /// The busiest thread's share of the work on the tiles: a free thread takes the next tile, and tiles that all draw
-/// together come first.
+/// together come first. Of these, one thread merges what the others have drawn, shades it and writes the pixels.
 fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads: usize) -> f64 {
     let read = counted.frame.bytes_read.max(1) as f64;
     let fits = Caches { own: f64::INFINITY, shared: f64::INFINITY };
     let frame = machine.seconds_or_0(Operation::Frame);
+    // All of a tile, and of that the end, which one thread does.
     let seconds = |tile: &TileWork| {
         let memory = one.memory * tile.counters.bytes_read as f64 / read;
-        FrameTime::charged(machine, &tile.counters, fits).total() - frame + memory
+        let time = FrameTime::charged(machine, &tile.counters, fits);
+        (time.total() - frame + memory, time.shading + time.picture - frame)
     };
     let (mut all, mut busy) = (0.0, vec![0.0f64; threads]);
     for tile in &counted.tiles {
-        let seconds = seconds(tile);
+        let (seconds, end) = seconds(tile);
         all += seconds;
         if tile.is_shared {
-            busy.iter_mut().for_each(|b| *b += seconds / threads as f64);
+            busy.iter_mut().for_each(|b| *b += (seconds - end) / threads as f64 + end);
         }
     }
     for tile in counted.tiles.iter().filter(|t| !t.is_shared) {
         if let Some(free) = busy.iter_mut().min_by(|a, b| a.total_cmp(b)) {
-            *free += seconds(tile);
+            *free += seconds(tile).0;
         }
     }
     let busiest = busy.iter().copied().fold(0.0, f64::max);
@@ -251,6 +253,17 @@ mod tests {
         near(share(&[tile(4, false), tile(4, false), tile(4, false)], 2), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, false), tile(2, false)], 4), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, true), tile(2, false)], 4), 4.0 / 12.0);
+        // Shading a tile that all have drawn is one thread's.
+        let shadings = 8;
+        let shaded = TileWork { counters: Counters { shadings, ..Counters::default() }, is_shared: true };
+        near(share(&[shaded], 4), 1.0);
+        let [cluster, shading] =
+            [Operation::ClusterDrawn, Operation::Shading].map(|o| machine.seconds(o).unwrap());
+        let both = TileWork {
+            counters: Counters { shadings, clusters_drawn: 8, ..Counters::default() },
+            is_shared: true,
+        };
+        near(share(&[both], 4), (cluster / 4.0 + shading) / (cluster + shading));
     }
 
     #[test]
