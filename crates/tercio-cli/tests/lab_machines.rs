@@ -53,9 +53,8 @@ fn advice_searches_threads_and_ranks_with_threads() {
     assert!(text.contains("(ranks x threads 2 x 1, 2 x 2, 3 x 1, 4 x 1;"), "{text}");
     let shared = ["sort-first", "sort-middle", "sort-last", "sort-twice, groups of 2"];
     assert!(shared.iter().all(|how| text.lines().any(|line| line.starts_with(how))), "{text}");
-    // With intervals as soon as the machine whose costs these are is calibrated.
-    let sure = ["have no stated uncertainty", "and what is assumed of the machine's numbers"];
-    assert!(sure.iter().any(|how| text.contains(how)), "{text}");
+    assert!(text.contains("residuals of its costs that are assumed (11.5 %)"), "{text}");
+    assert!(text.contains("and what is assumed of the machine's numbers"), "{text}");
     place
         .run("lab advise model.off --size 64x64 --processors 3 --machine two-core-2026")
         .failed(1, &["expected at most 2 processors, found 3"]);

@@ -3,8 +3,8 @@
 //! the triangles.
 
 use serde_json::{Map, json};
-use tercio_mesh::AttributeDomain;
 use tercio_mesh::io::{ReadOptions, read};
+use tercio_mesh::{Attribute, AttributeDomain};
 
 fn main() {
     for file in std::env::args().skip(1) {
@@ -31,7 +31,7 @@ fn main() {
         let (mut low, mut high) = (glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY);
         used.iter().for_each(|&v| (low, high) = (low.min(point(v)), high.max(point(v))));
         let (mut vertices, mut triangles) = (Map::new(), Map::new());
-        for attribute in &mesh.attributes {
+        for attribute in mesh.attributes.iter().filter(|a| !Attribute::is_polygon(&a.name, a.domain)) {
             let value = |&v: &u32| f64::from(attribute.values[v as usize]);
             let (to, sum, count) = match attribute.domain {
                 AttributeDomain::Vertex => (&mut vertices, used.iter().map(value).sum::<f64>(), used.len()),

@@ -73,6 +73,11 @@ impl Attribute {
     /// the number of its polygon within the face. Edges are between polygons. Files whose faces are polygons do without.
     pub const POLYGON: &str = "@polygon";
 
+    /// Is that an attribute of [polygons](Self::POLYGON), no data of the file?
+    pub fn is_polygon(name: &str, domain: AttributeDomain) -> bool {
+        name == Self::POLYGON && domain == AttributeDomain::Triangle
+    }
+
     /// The name of a component of an array with so many: that of the array if it has one component only.
     pub fn component_name(array: &str, component: usize, of: usize) -> String {
         if of == 1 { array.into() } else { format!("{array}:{component}") }

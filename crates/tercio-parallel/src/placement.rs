@@ -32,12 +32,16 @@ mod processor {
         Some(processor).filter(|&p| p < CpuSet::MAX_CPU)
     }
 
+    /// The processor with a number among those that are allowed.
+    pub(super) fn chosen(allowed: &CpuSet, number: usize) -> Option<usize> {
+        let count = allowed.count() as usize;
+        (0..CpuSet::MAX_CPU).filter(|&i| allowed.is_set(i)).nth(number % count.max(1))
+    }
+
     /// Moves this thread to one of the processors that it may use; `number` wraps round. It may still use all of them.
     pub fn move_to(number: usize) {
         let Ok(allowed) = sched_getaffinity(None) else { return };
-        let count = allowed.count() as usize;
-        let processor = (0..CpuSet::MAX_CPU).filter(|&i| allowed.is_set(i)).nth(number % count.max(1));
-        if let Some(processor) = processor {
+        if let Some(processor) = chosen(&allowed, number) {
             let mut own = CpuSet::new();
             own.set(processor);
             // A thread that cannot be moved stays where it is.
@@ -61,9 +65,9 @@ mod processor {
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
-    use rustix::thread::sched_getaffinity;
+    use rustix::thread::{CpuSet, sched_getaffinity};
 
-    use super::processor::in_stat;
+    use super::processor::{chosen, in_stat};
     use super::*;
 
     #[test]
@@ -73,6 +77,28 @@ mod tests {
         assert_eq!(["", "7 (a) 1 2 3", &format!("7 (a) {}", "x ".repeat(50))].map(in_stat), [None; 3]);
         let own = std::fs::read_to_string("/proc/thread-self/stat").expect("a file of /proc");
         assert!(in_stat(&own).is_some(), "{own}");
+    }
+
+    #[test]
+    fn numbers_of_processors_wrap_round_and_pass_over_gaps() {
+        let mut allowed = CpuSet::new();
+        assert_eq!(chosen(&allowed, 3), None);
+        [1, 4, 6].iter().for_each(|&processor| allowed.set(processor));
+        assert_eq!([0, 1, 2, 3, 7].map(|number| chosen(&allowed, number)), [1, 4, 6, 1, 4].map(Some));
+    }
+
+    #[test]
+    fn a_thread_is_where_it_was_moved() {
+        let processors = sched_getaffinity(None).expect("the system reports it").count() as usize;
+        // The system may move it again at once, but not always.
+        let is_there = |number: usize| {
+            move_to(number);
+            current() == number % processors
+        };
+        let moved = |number| (0..100).any(|_| is_there(number));
+        std::thread::scope(|scope| {
+            assert!(scope.spawn(|| (0..processors).all(moved)).join().expect("a thread"))
+        });
     }
 
     #[test]

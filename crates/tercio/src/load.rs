@@ -587,7 +587,7 @@ fn read_and_repair<E: From<LoadError>>(
         begin(options, "looking at edges", 0);
         let start = Instant::now();
         report.topology = Some(topology::analyze(&mesh));
-        let of_file = mesh.attributes.iter().filter(|a| a.name != Attribute::POLYGON);
+        let of_file = mesh.attributes.iter().filter(|a| !Attribute::is_polygon(&a.name, a.domain));
         report.attributes = of_file.map(AttributeSummary::from_attribute).collect();
         report.strokes = StrokesSummary::from_strokes(&strokes);
         report.times.topology = milliseconds(start);

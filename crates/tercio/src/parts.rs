@@ -13,7 +13,7 @@ use tercio_mesh::io::share::{Facts, Shareable};
 use tercio_mesh::io::{self, ReadModel, ReadOptions, ReadReport};
 use tercio_mesh::mesh::choose_origin;
 use tercio_mesh::strokes::Strokes;
-use tercio_mesh::{Aabb, BlockedMesh, Mesh, builtin, clean, normals, weld};
+use tercio_mesh::{Aabb, Attribute, BlockedMesh, Mesh, builtin, clean, normals, weld};
 use tercio_parallel::comm::CommError;
 use tercio_parallel::comm::collective::{all_max, all_reduce, all_sum, exclusive_sum};
 use tercio_parallel::parts::seam::{self, Numbers, VertexNumbers};
@@ -245,6 +245,8 @@ fn finish(
         "a part of the model and its making ready",
         preparation_bytes(&mesh, is_soup, options),
     )?;
+    // Some files may have numbers of polygons and others not; parts have no edges, which alone need them.
+    mesh.attributes.retain(|a| !Attribute::is_polygon(&a.name, a.domain));
     check_arrays(comm, &mesh)?;
     let step = Instant::now();
     let joined = seam::join(comm, &mut mesh, &numbers)?;

@@ -51,7 +51,8 @@ impl MeshSummary {
             face_colors: mesh.face_colors.is_some(),
             texcoords: mesh.texcoords.is_some(),
             materials: mesh.materials.len() as u64,
-            attributes: mesh.attributes.len() as u64,
+            attributes: mesh.attributes.iter().filter(|a| !Attribute::is_polygon(&a.name, a.domain)).count()
+                as u64,
             bytes: bytes(mesh),
         }
     }

@@ -93,6 +93,8 @@ pub struct Sample {
     pub fitted: f64,
     /// For whole frames: seconds on all threads.
     pub together: Option<f64>,
+    /// Its counts on all threads, which may share tiles, if it is a whole frame.
+    pub shared: Option<Counted>,
 }
 
 /// The machine, and the samples its costs were fitted to.
@@ -132,7 +134,7 @@ pub fn calibrate(
         progress(Progress::Next(model));
         // Built-in names; a model that cannot be made is skipped.
         let Ok(loaded) = LoadOptions { normals, ..LoadOptions::default() }.load_mesh(model) else { continue };
-        pictures.extend(pictures_of(model, loaded.mesh)?);
+        pictures.extend(pictures_of(model, loaded.mesh, o.threads)?);
     }
     let rounds = o.rounds.max(2);
     let mut repeats = 0;
@@ -202,7 +204,7 @@ fn quality(samples: &[Sample]) -> machines::Calibration {
     }
 }
 
-/// How much the relative error of a frame counts: whole frames are what is predicted; those that end earlier tell costs apart.
+/// What the relative error of a frame is multiplied by: whole frames are what is predicted; those that end earlier tell costs apart.
 fn weight(last_stage: LastStage) -> f64 {
     match last_stage {
         LastStage::Output => 4.0,
@@ -237,6 +239,11 @@ fn fitted(mut machine: Machine, mut samples: Vec<Sample>, threads: usize) -> Cal
     Calibration { machine, samples }
 }
 
+/// Whether a frame is one that is also measured on all threads: it has all stages and is sorted by clusters.
+fn is_whole(settings: &Settings) -> bool {
+    settings.last_stage == LastStage::Output && settings.sorting == RasterSorting::Clusters
+}
+
 /// The picture of a sample.
 struct Picture {
     scene: Arc<Scene>,
@@ -245,7 +252,7 @@ struct Picture {
 }
 
 /// One model in all sizes and variants, counted but not drawn yet.
-fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
+fn pictures_of(model: &str, mesh: Mesh, threads: usize) -> Result<Vec<Picture>, PredictError> {
     let triangles = mesh.triangles.len();
     let (scene, bounds) = prepare(mesh);
     let scene = Arc::new(scene);
@@ -258,6 +265,9 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
             }
             let settings = Settings { sorting, last_stage, ..Settings::one_sample(size.0, size.1) };
             let counted = count(&scene, &camera, &settings, 1)?;
+            let shared =
+                (is_whole(&settings) && threads > 1).then(|| count(&scene, &camera, &settings, threads));
+            let shared = shared.transpose()?;
             let seconds = f64::INFINITY;
             let sample = Sample {
                 model: model.into(),
@@ -267,6 +277,7 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
                 slowest: 0.0,
                 fitted: 0.0,
                 together: None,
+                shared,
             };
             pictures.push(Picture { scene: scene.clone(), camera, sample });
         }
@@ -281,9 +292,7 @@ impl Picture {
             let s = &self.sample.settings;
             measure(&self.scene, &self.camera, s, threads, o.frames, o.clock).map(|m| m.seconds)
         };
-        let whole = self.sample.settings.last_stage == LastStage::Output
-            && self.sample.settings.sorting == RasterSorting::Clusters;
-        let together = if whole && o.threads > 1 { Some(seconds(o.threads)?) } else { None };
+        let together = if self.sample.shared.is_some() { Some(seconds(o.threads)?) } else { None };
         let alone = seconds(1)?;
         self.sample.seconds = self.sample.seconds.min(alone);
         self.sample.slowest = self.sample.slowest.max(alone);
@@ -303,9 +312,9 @@ fn of_threads(machine: &Machine, samples: &[Sample], threads: usize) -> [f64; 2]
     };
     let (mut terms, mut excess, mut times) = (Vec::new(), Vec::new(), Vec::new());
     for sample in samples {
-        let Some(together) = sample.together else { continue };
+        let (Some(together), Some(shared)) = (sample.together, &sample.shared) else { continue };
         let one = FrameTime::on_one_thread(machine, &sample.counted.frame).total();
-        let divided = sample.seconds * FrameTime::on_threads(machine, &sample.counted, threads).total() / one;
+        let divided = sample.seconds * FrameTime::on_threads(machine, shared, threads).total() / one;
         terms.push([sample.seconds - divided, 1.0 - 1.0 / threads as f64]);
         excess.push(together - divided);
         times.push(together);
@@ -398,6 +407,7 @@ mod tests {
                 model: "x".into(),
                 settings: Settings::one_sample(8, 8),
                 counted: Counted { frame, tiles: vec![tile; 2] },
+                shared: Some(Counted { frame, tiles: vec![tile; 2] }),
                 seconds,
                 slowest: seconds,
                 fitted: 0.0,
@@ -434,8 +444,9 @@ mod tests {
     fn sample(clusters_hidden: u64, seconds: f64, slowest: f64, together: f64) -> Sample {
         let frame = Counters { clusters_hidden, ..Counters::default() };
         let counted = Counted { frame, tiles: Vec::new() };
+        let shared = Some(counted.clone());
         let (settings, together) = (Settings::one_sample(8, 8), Some(together));
-        Sample { model: "x".into(), settings, counted, seconds, slowest, fitted: 0.0, together }
+        Sample { model: "x".into(), settings, counted, seconds, slowest, fitted: 0.0, together, shared }
     }
 
     #[test]
@@ -500,7 +511,7 @@ mod tests {
     fn frames_of_a_model_are_drawn_and_counted_in_all_variants() {
         let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, accept_noise: false };
         let mesh = builtin::make("builtin:teapot@2k").unwrap();
-        let mut pictures = pictures_of("builtin:teapot@2k", mesh).unwrap();
+        let mut pictures = pictures_of("builtin:teapot@2k", mesh, options.threads).unwrap();
         assert_eq!(pictures.len(), VARIANTS.len() * SIZES.len());
         pictures.iter_mut().for_each(|p| p.draw(options).unwrap());
         let first: Vec<f64> = pictures.iter().map(|p| p.sample.seconds).collect();

@@ -38,7 +38,7 @@ pub fn two_terms(terms: &[[f64; 2]], excess: &[f64], times: &[f64]) -> [f64; 2] 
 }
 
 /// Solves for non-negative costs that bring `sum_k counts[i][k] * costs[k]` close to `times[i]`, relative to the times, each
-/// with its weight: least squares by updating one cost at a time until nothing changes (sequential coordinate-wise descent, Franc,
+/// error times its weight: least squares by updating one cost at a time until nothing changes (sequential coordinate-wise descent, Franc,
 /// Hlavac and Navara 2005). Deterministic.
 ///
 /// # Panics
@@ -47,6 +47,7 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64], weights: &[f64]) -> Vec<f64> {
     assert!(!times.is_empty() && times.iter().all(|t| *t > 0.0), "frames take time");
     let n = counts[0].len();
     assert!(counts.iter().all(|row| row.len() == n), "a count for every cost");
+    assert!(weights.len() == times.len(), "a weight for every frame");
     let rows: Vec<Vec<f64>> = counts
         .iter()
         .zip(times)
@@ -112,7 +113,7 @@ mod tests {
         assert_eq!(fitted[1], 0.0);
         // Least squares of c / 2 and c / 1 against 1: c = 1.5 / 1.25.
         assert!((fitted[0] - 1.2).abs() < 1e-9, "{fitted:?}");
-        // The second frame counts three times as much: c = (0.5 + 9) / (0.25 + 9).
+        // The second error is multiplied by three: c = (0.5 + 9) / (0.25 + 9).
         let weighted = costs(&[vec![1.0], vec![1.0]], &[2.0, 1.0], &[1.0, 3.0]);
         assert!((weighted[0] - 9.5 / 9.25).abs() < 1e-9, "{weighted:?}");
     }

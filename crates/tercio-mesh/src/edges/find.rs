@@ -135,8 +135,11 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             2 => EdgeKind::Inner,
             _ => EdgeKind::NonManifold,
         };
+        // Any fold may be an outline, also one inside of a polygon.
+        let joins_polygon = self.selection != Selection::Silhouette;
         if let [a, b] = group
-            && ((self.polygon)(a.triangle) == (self.polygon)(b.triangle) || !self.is_selected(v, a, b))
+            && (joins_polygon && (self.polygon)(a.triangle) == (self.polygon)(b.triangle)
+                || !self.is_selected(v, a, b))
         {
             return;
         }

@@ -3,15 +3,11 @@
 use rayon::prelude::*;
 
 use super::{Edges, Selection, find};
-use crate::{Attribute, AttributeDomain, ClusteredMesh, Mesh};
-
-fn is_polygon(name: &str, domain: AttributeDomain) -> bool {
-    name == Attribute::POLYGON && domain == AttributeDomain::Triangle
-}
+use crate::{Attribute, ClusteredMesh, Mesh};
 
 pub fn of_mesh(mesh: &Mesh, selection: Selection) -> Edges {
     let face = mesh.face_of_triangle.as_deref();
-    let is_polygon = |a: &&Attribute| is_polygon(&a.name, a.domain);
+    let is_polygon = |a: &&Attribute| Attribute::is_polygon(&a.name, a.domain);
     let polygons = mesh.attributes.iter().find(is_polygon).map(|a| &a.values[..]);
     let polygon = |t: u32| {
         (face.map_or(t, |faces| faces[t as usize]), polygons.map_or(0, |all| all[t as usize].to_bits()))
@@ -37,7 +33,8 @@ pub fn of_clusters(mesh: &ClusteredMesh, selection: Selection) -> Edges {
             (0..cluster.vertices()).map(move |v| [x[v], y[v], z[v]])
         })
         .collect();
-    let polygon = mesh.layout().attributes.iter().position(|(name, domain)| is_polygon(name, *domain));
+    let polygon =
+        mesh.layout().attributes.iter().position(|(name, domain)| Attribute::is_polygon(name, *domain));
     let mut numbered: Vec<(u32, find::Polygon, [u32; 3])> = firsts
         .par_iter()
         .enumerate()

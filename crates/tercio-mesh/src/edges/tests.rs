@@ -43,6 +43,16 @@ fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
 }
 
 #[test]
+fn the_fold_of_a_polygon_may_be_an_outline_but_is_no_edge() {
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 1.0]];
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let face_of_triangle = Some(vec![0; 2]);
+    let quad = Mesh { positions, triangles, face_of_triangle, ..Mesh::default() };
+    let edges = |selection| Edges::of_mesh(&quad, selection).list.len();
+    assert_eq!((edges(Selection::Silhouette), edges(Selection::All)), (5, 4));
+}
+
+#[test]
 fn an_edge_of_three_triangles_is_there_whatever_the_angle() {
     let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
     let triangles = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];

@@ -28,7 +28,7 @@ pub fn needs_normals(name: &str) -> bool {
 pub fn available(layout: &Layout) -> Vec<String> {
     let domain = |d: AttributeDomain| if d == AttributeDomain::Vertex { "vertices" } else { "triangles" };
     let mut all: Vec<String> = Vec::new();
-    for (name, d) in layout.attributes.iter().filter(|(name, _)| name != Attribute::POLYGON) {
+    for (name, d) in layout.attributes.iter().filter(|(name, d)| !Attribute::is_polygon(name, *d)) {
         // Of the components of a vector, the vector is named once.
         let array = name.strip_suffix(":0").filter(|array| vector(array, layout).len() > 1);
         let is_other = name.rsplit_once(':').is_some_and(|(array, n)| {
@@ -122,10 +122,15 @@ fn vector_of(name: &str, only: Option<AttributeDomain>, layout: &Layout) -> Vec<
 /// # Errors
 /// [`DataError::Unknown`], [`DataError::Component`], [`DataError::NoNormals`].
 pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> {
-    let is_whole = layout.attributes.iter().any(|(known, _)| known == name);
+    let is_whole =
+        layout.attributes.iter().any(|(known, d)| known == name && !Attribute::is_polygon(known, *d));
     let (whole, (name, domain)) = (name, if is_whole { (name, None) } else { selected(name) });
     let attribute = |wanted: &str| {
-        let at = |of: AttributeDomain| layout.attributes.iter().position(|(n, d)| n == wanted && *d == of);
+        let at = |of: AttributeDomain| {
+            let is_it =
+                |(n, d): &(String, AttributeDomain)| n == wanted && *d == of && !Attribute::is_polygon(n, of);
+            layout.attributes.iter().position(is_it)
+        };
         match domain {
             Some(domain) => at(domain),
             None => at(AttributeDomain::Vertex).or_else(|| at(AttributeDomain::Triangle)),

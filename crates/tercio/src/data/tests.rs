@@ -32,7 +32,16 @@ const T: AttributeDomain = AttributeDomain::Triangle;
 #[test]
 fn names_find_attributes_components_and_colors() {
     let zero = |_: usize| 0.0f32;
-    let names = [("p", V), ("v:0", V), ("v:1", V), ("v:2", V), ("w_x", T), ("w_y", T), ("a:b", T)];
+    let names = [
+        ("p", V),
+        ("v:0", V),
+        ("v:1", V),
+        ("v:2", V),
+        ("w_x", T),
+        ("w_y", T),
+        ("a:b", T),
+        (Attribute::POLYGON, T),
+    ];
     let instance = model(&names.map(|(name, domain)| (name, domain, &zero as &dyn Fn(usize) -> f32)));
     let layout = instance.mesh.layout();
     let find = |name: &str| name::find(name, layout, DVec3::Z);
@@ -52,6 +61,9 @@ fn names_find_attributes_components_and_colors() {
     let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
     let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");
     assert_eq!(error("q"), format!("there is no attribute \"q\"; there are {all}"));
+    for polygon in [Attribute::POLYGON, "@polygon@cell", "@polygon:0"] {
+        assert!(error(polygon).contains(&all), "{polygon}");
+    }
     assert!(error("@q").contains(&all) && error("q:1").contains(&all));
     assert_eq!(error("v:3"), "\"v\" has no component \"3\"; it has 0, 1, 2, magnitude, rgb");
     assert_eq!(error("p:1"), "\"p\" has no component \"1\"; it has 0, magnitude");

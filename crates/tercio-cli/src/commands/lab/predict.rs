@@ -143,6 +143,7 @@ impl Predict {
             ("shading", time.shading),
             ("memory", time.memory),
             ("picture", time.picture),
+            ("waking", time.waking),
         ];
         let mut text = table(&format!("{threads} threads"), &phases, time.total());
         let c = &counted.counted.frame;

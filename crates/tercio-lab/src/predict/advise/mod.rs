@@ -194,7 +194,7 @@ const REFINED: usize = 8;
 /// requested tiles, the same ranks with tiles of all sizes. Formulas do not predict those: that clusters are transformed in each
 /// of their tiles is not in them.
 fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>) -> Result<(), PredictError> {
-    let mut best_plan = None;
+    let mut plans = Vec::new();
     for _ in 0..REFINED {
         let Some(best) = candidates.first_mut() else { break };
         let Some(plan) = best.counted() else { break };
@@ -203,10 +203,11 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
         let moved = frame.total() / best.frame.total();
         best.assumed = best.assumed.map(|ends| ends.map(|seconds| seconds * moved));
         best.frame = Frame::Counted(Box::new(frame));
-        best_plan = Some((best.clone(), plan));
+        plans.push((best.clone(), plan));
         sort(candidates);
     }
-    let Some((counted, plan)) = best_plan.filter(|(counted, _)| candidates.first() == Some(counted)) else {
+    let best = candidates.first();
+    let Some((counted, plan)) = plans.into_iter().find(|(counted, _)| best == Some(counted)) else {
         return Ok(());
     };
     let Frame::Counted(own) = &counted.frame else { return Ok(()) };
@@ -217,8 +218,10 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
         if let (How::Ranks { sharing, .. }, Ok(frame)) =
             (counted.how, predict(machine, picture, &Plan { region, ..plan })?)
         {
-            let (how, frame) = (How::Ranks { sharing, region }, Frame::Counted(Box::new(frame)));
-            candidates.push(Candidate { how, frame, ..counted });
+            let how = How::Ranks { sharing, region };
+            let moved = frame.total() / counted.frame.total();
+            let assumed = counted.assumed.map(|ends| ends.map(|seconds| seconds * moved));
+            candidates.push(Candidate { how, frame: Frame::Counted(Box::new(frame)), assumed, ..counted });
         }
     }
     sort(candidates);

@@ -8,10 +8,10 @@ use crate::machines::{Machine, builtin};
 /// Relative errors that an interval is wide, to each side.
 const WIDTH: f64 = 2.0;
 
-/// Root mean square of predicted over measured time, minus 1, of 500 ways to share a frame that formulas predict,
-/// on another machine than that of docs/laboratory/advice.md, where it is 27 % of more ways: of two to four ranks of one thread, on
-/// one machine. Ranks that are counted were not among them; they are taken to be no better.
-pub const OF_RANKS: f64 = 0.22;
+/// Root mean square of predicted over measured time, minus 1, of 1,170 ways to share a frame that formulas predict
+/// (docs/laboratory/advice.md): of two to four ranks of one thread, on one machine. Ranks that are counted were not among them; they
+/// are taken to be no better.
+pub const OF_RANKS: f64 = 0.27;
 
 /// The uncertainty of predictions with the costs of a calibrated machine. What is assumed of another machine that has these costs
 /// is the candidates' part: [`Candidate::assumed`].

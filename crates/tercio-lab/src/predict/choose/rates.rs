@@ -15,10 +15,12 @@ const KEPT_FRAGMENT: f64 = 40e-9;
 const MERGED_FRAGMENT: f64 = 50e-9;
 /// Copying a byte into a message, or out of it.
 const COPIED_BYTE: f64 = 0.25e-9;
-/// Looking at a cluster for the estimate of the work in each tile, at a tile that it may reach, and giving a tile to a rank.
-const SURVEYED: f64 = 60e-9;
+/// Seconds of looking at a cluster for the estimate of the work in each tile, at a tile that it may reach, and of giving a tile to a
+/// rank.
+pub const SURVEYED: f64 = 60e-9;
 const VISITED: f64 = 15e-9;
-const DIVIDED: f64 = 60e-9;
+/// Seconds of giving a tile to a rank.
+pub const DIVIDED: f64 = 60e-9;
 /// Pixels of a span, about: closed surfaces are seen in long runs, cut by the edges of tiles.
 const SPAN: f64 = 24.0;
 

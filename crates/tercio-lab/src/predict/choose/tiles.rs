@@ -21,6 +21,11 @@ const EDGES: f64 = 1.2;
 /// How many clusters the renderer looks at, and how many tiles it visits, when it divides a picture.
 const DIVIDED_BY: Effort = Effort { clusters: 4096, visits: 1 << 17 };
 
+/// How many of a scene's clusters the renderer looks at when it divides a picture: every second, every third ...
+pub fn looked_at(clusters: u64) -> u64 {
+    clusters.div_ceil(clusters.div_ceil(DIVIDED_BY.clusters.into()).max(1))
+}
+
 /// A cluster in a tile; it stands for several.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
@@ -102,7 +107,7 @@ impl Tiles {
             let rect = context.grid.rect(tile, context.size());
             f64::from(rect.x1 - rect.x0 + 1) * f64::from(rect.y1 - rect.y0 + 1)
         });
-        let looked_at = f64::from(clusters.div_ceil(clusters.div_ceil(DIVIDED_BY.clusters).max(1)));
+        let looked_at = looked_at(clusters.into()) as f64;
         let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
         let seconds = looked_at * rates.survey[0] + visits.min(DIVIDED_BY.visits as f64) * rates.survey[1];
         let mut found = Self {

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use tercio_mesh::builtin;
-use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio::LoadOptions;
 use tercio_parallel::Organisation;
 use tercio_raster::{Outputs, Settings};
 use tercio_scene::{Camera, Scene};
@@ -13,6 +12,7 @@ use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS, keys,
 use super::measure::MeasuredRanks;
 use super::renderer::RanksWork;
 use crate::machines::{Machine, Sourced};
+use crate::predict::calibrate::prepare;
 use crate::predict::hardware::cache_bytes;
 use crate::predict::measure::{Clock, measure as measure_alone};
 use crate::predict::{fit, views};
@@ -123,9 +123,9 @@ pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     let mut pictures = Vec::new();
     for model in MODELS {
         // Built-in names; a model that cannot be made is skipped.
-        let Ok(mesh) = builtin::make(model) else { continue };
-        let bounds = mesh.bounds();
-        let scene = Arc::new(views::scene(Arc::new(partition(mesh, &PartitionOptions::default()))));
+        let Ok(loaded) = LoadOptions::default().load_mesh(model) else { continue };
+        let (scene, bounds) = prepare(loaded.mesh);
+        let scene = Arc::new(scene);
         for size in SIZES {
             pictures.push(Picture::new(scene.clone(), views::camera(&bounds, size, 1, 7), size)?);
         }

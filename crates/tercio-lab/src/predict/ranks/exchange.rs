@@ -5,6 +5,7 @@ use tercio_parallel::Organisation;
 
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
+use crate::predict::choose::{rates, tiles::looked_at};
 use crate::predict::counts::Counters;
 
 /// Bytes of a line of memory, of a key and of a colour.
@@ -16,9 +17,6 @@ const COLOR: f64 = 4.0;
 /// rest. On the machine of `docs/laboratory/ranks.md` scanning a picture of half the nominal size takes halfway between
 /// the times for a picture in cache and one in memory.
 const CACHE_SHARE: f64 = 0.5;
-
-/// The renderer looks at this many clusters at most, whatever the size of the model (`tercio_raster`'s estimate of the load).
-const MOST_SURVEYED: u64 = 4096;
 
 /// Kinds of work that are charged.
 pub const KINDS: usize = 12;
@@ -52,14 +50,20 @@ impl ExchangeCosts {
         OPERATIONS.iter().any(|&o| machine.seconds(o).is_some())
     }
 
-    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero.
+    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero; those of dividing a
+    /// picture, which older descriptions lack, are then those of `--organisation auto`.
     ///
     /// # Errors
     /// [`MachineError::Missing`] if it has none at all.
     pub fn of(machine: &Machine) -> Result<Self, MachineError> {
         let known = Self::are_known(machine).then_some(&());
         machine.need(known, "costs.scanned-pixel")?;
-        Ok(Self(OPERATIONS.map(|o| machine.seconds_or_0(o))))
+        let usual = |operation| match operation {
+            Operation::SurveyedCluster => rates::SURVEYED,
+            Operation::DividedTile => rates::DIVIDED,
+            _ => 0.0,
+        };
+        Ok(Self(OPERATIONS.map(|o| machine.seconds(o).unwrap_or_else(|| usual(o)))))
     }
 
     /// Seconds of the work `charges`.
@@ -133,7 +137,7 @@ impl<'a> Exchange<'a> {
         let mut charges = [0.0; KINDS];
         let Sharing { organisation, division, ranks, size, edge } = *self.sharing;
         if organisation == Organisation::SortFirst && ranks > 1 && division.needs_load() {
-            charges[10] = self.drawing[0].clusters.min(MOST_SURVEYED) as f64;
+            charges[10] = looked_at(self.drawing[0].clusters) as f64;
             charges[11] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
         }
         charges

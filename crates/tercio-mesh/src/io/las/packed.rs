@@ -161,7 +161,10 @@ impl Chunk<'_> {
             let mut layered = LayeredPointRecordDecompressor::new(source);
             for item in items {
                 match item.item_type() {
-                    LazItemType::Byte14(count) => layered.add_field_decompressor(Skipped::new(count.into())),
+                    // Layers of other versions are refused below.
+                    LazItemType::Byte14(count) if matches!(item.version(), 3 | 4) => {
+                        layered.add_field_decompressor(Skipped::new(count.into()))
+                    }
                     _ => layered.set_fields_from(&vec![*item]).map_err(|error| error.to_string())?,
                 }
             }

@@ -222,6 +222,10 @@ fn attributes(
     elements: Option<&[u32]>,
     to: &mut Vec<Attribute>,
 ) {
+    if Attribute::is_polygon(&array.name, domain) {
+        job.warn(format!("values of {:?} at cells are left out: the name is reserved", array.name));
+        return;
+    }
     if array.numbers.has_large_integers() {
         job.warn(format!("whole numbers above 16777216 of {:?} are rounded to 24 bits", array.name));
     }
