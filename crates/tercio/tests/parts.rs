@@ -243,26 +243,6 @@ fn ranks_with_files_of_their_own_load_what_the_files_are_together() {
     }
 }
 
-/// Of these cells only one has several polygons, which edges need and parts do not have.
-#[test]
-fn parts_with_and_without_cells_of_several_polygons_fit_together() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let head = "# vtk DataFile Version 3.0\ncells\nASCII\nDATASET UNSTRUCTURED_GRID\n";
-    let hexahedron = format!(
-        "{head}POINTS 8 float\n0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\n"
-    );
-    let quad =
-        format!("{head}POINTS 4 float\n0 0 3 1 0 3 1 1 3 0 1 3\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n9\n");
-    write(folder.path(), "part_0.vtk", hexahedron.as_bytes());
-    write(folder.path(), "part_1.vtk", quad.as_bytes());
-    let name = folder.path().join("part_{rank}.vtk");
-    let triangles = threads::run(2, |comm| {
-        let part = LoadOptions::default().load_part(comm, &name).unwrap_or_else(|error| panic!("{error}"));
-        Ok(part.share.triangles)
-    });
-    assert_eq!(triangles.expect("ranks"), [14, 14]);
-}
-
 #[test]
 fn parts_that_do_not_fit_together_are_refused_by_all_ranks() {
     let folder = tempfile::tempdir().expect("a folder");

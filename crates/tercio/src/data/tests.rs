@@ -61,7 +61,7 @@ fn names_find_attributes_components_and_colors() {
     let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
     let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");
     assert_eq!(error("q"), format!("there is no attribute \"q\"; there are {all}"));
-    for polygon in [Attribute::POLYGON, "@polygon@cell", "@polygon:0"] {
+    for polygon in [Attribute::POLYGON, "@polygon@cell"] {
         assert!(error(polygon).contains(&all), "{polygon}");
     }
     assert!(error("@q").contains(&all) && error("q:1").contains(&all));
