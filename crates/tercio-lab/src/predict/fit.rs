@@ -10,25 +10,17 @@ pub fn two_terms(terms: &[[f64; 2]], excess: &[f64], times: &[f64]) -> [f64; 2] 
     /// Deviations below this share of a frame's time are noise, all alike.
     const SMALL: f64 = 1e-3;
     let mut values = [0.0; 2];
-    let mut weights = vec![1.0; terms.len()];
+    let mut weights = vec![1.0f64; terms.len()];
     for _ in 0..ROUNDS {
-        let sum = |of: &dyn Fn(usize) -> f64| {
-            (0..terms.len()).map(|i| weights[i] * of(i) / (times[i] * times[i])).sum::<f64>()
-        };
-        let [aa, ab, bb] = [(0, 0), (0, 1), (1, 1)].map(|(j, k)| sum(&|i| terms[i][j] * terms[i][k]));
-        let [a, b] = [0, 1].map(|k| sum(&|i| terms[i][k] * excess[i]));
-        let alone = |right: f64, square: f64| if square > 0.0 { (right / square).max(0.0) } else { 0.0 };
-        let determinant = aa * bb - ab * ab;
-        let both = [(a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant];
-        let error = |v: &[f64; 2]| {
-            v[0] * v[0] * aa + 2.0 * v[0] * v[1] * ab + v[1] * v[1] * bb - 2.0 * (v[0] * a + v[1] * b)
-        };
-        values = if determinant > 1e-12 * aa * bb && both.iter().all(|v| *v >= 0.0) {
-            both
-        } else {
-            let edges = [[alone(a, aa), 0.0], [0.0, alone(b, bb)]];
-            if error(&edges[0]) <= error(&edges[1]) { edges[0] } else { edges[1] }
-        };
+        // Squares are weighted, so that each side has the root.
+        let scale: Vec<f64> = weights.iter().zip(times).map(|(weight, time)| weight.sqrt() / time).collect();
+        let rows: Vec<Vec<f64>> = terms
+            .iter()
+            .zip(&scale)
+            .map(|(row, scale)| row.iter().map(|term| term * scale).collect())
+            .collect();
+        let targets: Vec<f64> = excess.iter().zip(&scale).map(|(excess, scale)| excess * scale).collect();
+        values.copy_from_slice(&non_negative(&rows, &targets, 2));
         for (i, weight) in weights.iter_mut().enumerate() {
             let deviation = (terms[i][0] * values[0] + terms[i][1] * values[1] - excess[i]).abs() / times[i];
             *weight = 1.0 / deviation.max(SMALL);
@@ -54,24 +46,29 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64], weights: &[f64]) -> Vec<f64> {
         .zip(weights)
         .map(|((row, time), weight)| row.iter().map(|count| count / time * weight).collect())
         .collect();
+    non_negative(&rows, weights, n)
+}
+
+/// The `n` non-negative values that bring `sum_k rows[i][k] * values[k]` closest to `targets[i]`, by least squares.
+fn non_negative(rows: &[Vec<f64>], targets: &[f64], n: usize) -> Vec<f64> {
     let column = |k: usize| rows.iter().map(move |r| r[k]);
     let gram: Vec<Vec<f64>> = (0..n)
         .map(|a| (0..n).map(|b| column(a).zip(column(b)).map(|(x, y)| x * y).sum()).collect())
         .collect();
-    let mut costs = vec![0.0f64; n];
-    // The gradient with all costs zero; every target is its weight.
+    let mut values = vec![0.0f64; n];
+    // The gradient with all values zero.
     let mut gradient: Vec<f64> =
-        (0..n).map(|k| -column(k).zip(weights).map(|(x, weight)| x * weight).sum::<f64>()).collect();
+        (0..n).map(|k| -column(k).zip(targets).map(|(x, target)| x * target).sum::<f64>()).collect();
     for _ in 0..200_000 {
         let mut moved = 0.0f64;
         for k in 0..n {
             if gram[k][k] <= 0.0 {
                 continue;
             }
-            let next = (costs[k] - gradient[k] / gram[k][k]).max(0.0);
-            let step = next - costs[k];
+            let next = (values[k] - gradient[k] / gram[k][k]).max(0.0);
+            let step = next - values[k];
             if step != 0.0 {
-                costs[k] = next;
+                values[k] = next;
                 (0..n).for_each(|j| gradient[j] += step * gram[j][k]);
                 // In terms of the share of a frame's time that the step changes.
                 moved = moved.max(step.abs() * gram[k][k].sqrt());
@@ -81,7 +78,7 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64], weights: &[f64]) -> Vec<f64> {
             break;
         }
     }
-    costs
+    values
 }
 
 #[cfg(test)]

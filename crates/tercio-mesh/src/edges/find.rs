@@ -37,8 +37,8 @@ struct Found {
     open: u64,
 }
 
-/// The selected edges; `polygon` is the one that a triangle comes from: two triangles of the same are not divided by an edge. The edges of a triangle are in the order of its corners,
-/// of which `turned` says which one is first.
+/// The selected edges; `polygon` is the one that a triangle comes from: two triangles of the same are not divided by an edge. The edges
+/// of a triangle are in the order of its corners, of which `turned` says which one is first.
 pub fn edges(
     mesh: &Mesh,
     selection: Selection,

@@ -21,8 +21,9 @@ use crate::output::write_text;
 ///
 /// Compared are threads of one process, and all splits of processors into ranks and threads, with every organisation, division, group
 /// and composition of 'tercio render': of all numbers of processors up to 16, then of powers of two, the middle between two of them,
-/// whole nodes, and N. The output says what is not compared, and why. Each time is shown with the model that it is from. If the machine has a calibration, it has an interval, too; '=' marks candidates that cannot be told
-/// apart from the best one. The simulator of the sorting classes covers its own plans; its figures are comparable with each
+/// whole nodes, and N. The output says what is not compared, and why. Each time is shown with the model that it is from. If the machine
+/// has a calibration, or says how sure its numbers are, it has an interval, too; '=' marks candidates that cannot be told apart from the
+/// best one. The simulator of the sorting classes covers its own plans; its figures are comparable with each
 /// other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\

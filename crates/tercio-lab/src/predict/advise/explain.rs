@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tercio_parallel::{Composition, Organisation};
 
 use super::splits::{EVERY, MOST_BY_FORMULAS, Split};
-use super::{Advice, Candidate, Frame, How};
+use super::{Advice, Candidate, Frame, How, Uncertainty};
 use crate::predict::choose::candidates::MANY;
 use crate::predict::choose::parts_of;
 
@@ -167,14 +167,12 @@ impl Advice {
         };
         let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
         let most = if high.is_finite() { format!(" to {}", milliseconds(high)) } else { " or more".into() };
-        let of_costs = self.uncertainty.as_ref();
-        let whose = match of_costs.and_then(|u| u.costs_of.as_deref()) {
-            _ if of_costs.is_some_and(|u| u.is_assumed) => {
-                let residual = of_costs.map_or(0.0, |u| u.residual * 100.0);
-                format!("residuals of its costs that are assumed ({residual:.1} %)")
+        let whose = match &self.uncertainty {
+            Some(Uncertainty { is_assumed: true, residual, .. }) => {
+                format!("residuals of its costs that are assumed ({:.1} %)", residual * 100.0)
             }
-            None => "the residuals of the machine's costs".to_owned(),
-            Some(name) => format!("the residuals of its costs on {name}"),
+            Some(Uncertainty { costs_of: Some(name), .. }) => format!("the residuals of its costs on {name}"),
+            _ => "the residuals of the machine's costs".to_owned(),
         };
         let of = match &best.frame {
             Frame::Threads(_) => whose,

@@ -194,7 +194,6 @@ const REFINED: usize = 8;
 /// requested tiles, the same ranks with tiles of all sizes. Formulas do not predict those: that clusters are transformed in each
 /// of their tiles is not in them.
 fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>) -> Result<(), PredictError> {
-    let mut plans = Vec::new();
     for _ in 0..REFINED {
         let Some(best) = candidates.first_mut() else { break };
         let Some(plan) = best.counted() else { break };
@@ -203,14 +202,10 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
         let moved = frame.total() / best.frame.total();
         best.assumed = best.assumed.map(|ends| ends.map(|seconds| seconds * moved));
         best.frame = Frame::Counted(Box::new(frame));
-        plans.push((best.clone(), plan));
         sort(candidates);
     }
-    let best = candidates.first();
-    let Some((counted, plan)) = plans.into_iter().find(|(counted, _)| best == Some(counted)) else {
-        return Ok(());
-    };
-    let Frame::Counted(own) = &counted.frame else { return Ok(()) };
+    let Some(counted) = candidates.first().cloned() else { return Ok(()) };
+    let (Frame::Counted(own), Some(plan)) = (&counted.frame, counted.plan()) else { return Ok(()) };
     if picture.settings.tile_size.is_some() {
         return Ok(());
     }
@@ -231,9 +226,12 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
 impl Candidate {
     /// The plan by which its ranks can be counted, if it is a formula's.
     fn counted(&self) -> Option<Plan> {
-        let (How::Ranks { sharing, region }, Frame::Formulas { .. }) = (self.how, &self.frame) else {
-            return None;
-        };
+        if matches!(self.frame, Frame::Formulas { .. }) { self.plan() } else { None }
+    }
+
+    /// The plan of its ranks, if there is a model that counts them.
+    fn plan(&self) -> Option<Plan> {
+        let How::Ranks { sharing, region } = self.how else { return None };
         let organisation = match sharing.organisation {
             RendererOrganisation::SortFirst => Organisation::SortFirst,
             RendererOrganisation::SortLast => Organisation::SortLast,

@@ -8,7 +8,7 @@ use tercio_raster::{Outputs, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::RanksError;
-use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS, keys, missed};
+use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OF_DIVISION, OPERATIONS, keys, missed};
 use super::measure::MeasuredRanks;
 use super::renderer::RanksWork;
 use crate::machines::{Machine, Sourced};
@@ -23,8 +23,6 @@ const SIZES: [(u32, u32); 2] = [(800, 500), (1900, 1100)];
 const RANKS: [usize; 3] = [1, 2, 3];
 /// Number of kinds of work that are about keys; they come first.
 const OF_KEYS: usize = 3;
-/// The first kind of work that is about dividing the picture; they come last.
-const OF_DIVISION: usize = 10;
 
 /// Frames of one picture, drawn by ranks.
 struct Shared {

@@ -21,6 +21,9 @@ const CACHE_SHARE: f64 = 0.5;
 /// Kinds of work that are charged.
 pub const KINDS: usize = 12;
 
+/// The first kind of work that is about dividing the picture; they come last.
+pub const OF_DIVISION: usize = KINDS - 2;
+
 /// How often each kind of work is done, or its costs, in the order of [`OPERATIONS`].
 pub type Charges = [f64; KINDS];
 
@@ -137,8 +140,8 @@ impl<'a> Exchange<'a> {
         let mut charges = [0.0; KINDS];
         let Sharing { organisation, division, ranks, size, edge } = *self.sharing;
         if organisation == Organisation::SortFirst && ranks > 1 && division.needs_load() {
-            charges[10] = looked_at(self.drawing[0].clusters) as f64;
-            charges[11] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
+            charges[OF_DIVISION] = looked_at(self.drawing[0].clusters) as f64;
+            charges[OF_DIVISION + 1] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
         }
         charges
     }
