@@ -6,6 +6,7 @@ use common::*;
 use glam::DVec3;
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::frame::Pixel;
+use tercio_raster::tally;
 use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel, Sorting, TileSet, reference};
 use tercio_scene::{Camera, Light, Scene};
 
@@ -94,33 +95,38 @@ fn check_colours(mesh: &Mesh, mut scene: Scene, camera: &Camera, settings: &Sett
     }
 }
 
+/// A square sheet of `n` times `n` quads of two triangles, with these normals on the side that faces z or away from it.
+fn sheet(n: u32, is_front: bool, mut normal: impl FnMut() -> DVec3) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut normals = Vec::new();
+    let front = if is_front { 1.0 } else { -1.0 };
+    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let [x, y] = [i, j].map(|k| k as f32 / n as f32 - 0.5);
+        mesh.positions.push([x, y, 0.05 * (x * y)]);
+        let normal = normal();
+        normals
+            .push(OctNormal::encode((normal.with_z(normal.z.abs().max(0.1)) * front).as_vec3().to_array()));
+    }
+    let at = |i: u32, j: u32| i * (n + 1) + j;
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        let two = [[a, b, c], [a, c, d]];
+        mesh.triangles.extend(two.map(|[a, b, c]| if is_front { [a, b, c] } else { [a, c, b] }));
+    }
+    mesh.normals = Some(normals);
+    mesh
+}
+
 /// Sheets with slanted normals, seen from all sides and at grazing angles: where normals point away from the viewer or
 /// triangles show their backs, the specialized kernel for colours only must bend normals as the reference does.
 #[test]
 fn slanted_normals_with_colours_only() {
     let mut random = Random(21);
-    let n = 12u32;
     for sheet in 0..60 {
         let lean = random.point(1.0);
         let spread = random.between(0.0, 0.6);
-        let mut mesh = Mesh::default();
-        let mut normals = Vec::new();
-        let front = if sheet % 2 == 0 { 1.0 } else { -1.0 };
-        for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
-            let [x, y] = [i, j].map(|k| k as f32 / n as f32 - 0.5);
-            mesh.positions.push([x, y, 0.05 * (x * y)]);
-            let normal = DVec3::new(lean.x, lean.y, 0.15) * 1.2 + random.point(1.0) * spread;
-            normals.push(OctNormal::encode(
-                (normal.with_z(normal.z.abs().max(0.1)) * front).as_vec3().to_array(),
-            ));
-        }
-        let at = |i: u32, j: u32| i * (n + 1) + j;
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            let two = [[a, b, c], [a, c, d]];
-            mesh.triangles.extend(two.map(|[a, b, c]| if front > 0.0 { [a, b, c] } else { [a, c, b] }));
-        }
-        mesh.normals = Some(normals);
+        let normal = || DVec3::new(lean.x, lean.y, 0.15) * 1.2 + random.point(1.0) * spread;
+        let mesh = self::sheet(12, sheet % 2 == 0, normal);
         let mut plain = scene(&mesh);
         if sheet % 3 == 0 {
             plain.instances[0].world_from_object = glam::DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
@@ -262,6 +268,34 @@ fn wide_clusters() {
         assert_eq!(stats.frontend.clusters_out, stats.frontend.clusters_in);
         for cull in [Cull::None, Cull::Back, Cull::Front] {
             check_every_path(&mesh, &camera, &Settings { cull, ..settings.clone() }, &format!("{cull:?}"));
+        }
+    }
+}
+
+/// Clusters of about the maximum size of a small cluster with smaller triangles, and with triangles of just the size from which
+/// the specialized kernels cannot shade them, 128 pixels.
+#[test]
+fn wide_clusters_with_colours_only() {
+    let mut random = Random(33);
+    // The edge of a quad is 249 / n pixels long, or 128 pixels, and 1.6 sub-pixels more or less.
+    let exact = [2.0 - 1e-4, 2.0, 2.0 + 1e-4].map(|height| (1, height));
+    let smaller = [1, 2, 3, 6].map(|n| (n, 256.0 / 249.0));
+    for (n, height) in exact.into_iter().chain(smaller) {
+        let camera = Camera { up: DVec3::Y, ..orthographic([0.0, 0.0, 3.0], [0.0; 3], height) };
+        for is_front in [true, false] {
+            let mesh = sheet(n, is_front, || random.point(0.4) + DVec3::Z);
+            let settings = Settings { tile_size: Some(128), ..Settings::one_sample(280, 256) };
+            let what = format!("{n} quads, height {height}, front {is_front}");
+            let scene = scene(&mesh);
+            let work = tally::count(&scene, &camera, &settings, 1).expect("a picture");
+            assert_eq!(work.stats.frontend.clusters_out, 1, "{what}");
+            let details = work.details;
+            assert!(details.shadings > 1_000, "{what}: {details:?}");
+            let expected = if n == 1 && height <= 2.0 { details.shadings } else { 0 };
+            assert_eq!(details.shadings_wide, expected, "{what}");
+            check_colours(&mesh, scene.clone(), &camera, &settings, &what);
+            let samples = Settings { tile_size: Some(128), ..Settings::new(280, 256) };
+            check_colours(&mesh, scene, &camera, &samples, &format!("{what}, several samples"));
         }
     }
 }

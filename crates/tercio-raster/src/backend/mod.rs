@@ -314,7 +314,7 @@ fn draw_inline<S: Simd, T: Tally>(
             let counts = tally.counts();
             shade::winners(simd, context, binned.number, pass, memory, winners, pixels, outputs, counts);
             if let Some(full) = tally.full() {
-                full.winners(context, binned.number, pass.winners.len());
+                full.winners(context, binned.number, pass.winners.len(), pass.vertices.has_wide_triangles);
             }
         }
     }

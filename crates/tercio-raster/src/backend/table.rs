@@ -112,7 +112,7 @@ impl ClusterTable {
         [found.x, found.y] = vertices.coordinates(simd, &numbers);
         found.d = vertices.depths(simd, &numbers);
         found.normal = self.look_up_normals(simd, &numbers);
-        found.are_near = !vertices.is_wide;
+        found.are_near = !vertices.has_wide_triangles;
         (numbers, found)
     }
 

@@ -127,8 +127,8 @@ impl FullTally {
         self.clusters.push(number);
     }
 
-    /// Counts the shading of the `pixels` winners of a cluster.
-    pub fn winners(&mut self, context: &FrameContext, number: u32, pixels: usize) {
+    /// Counts the shading of the `pixels` winners of a cluster that has triangles which are wide on the screen, or not.
+    pub fn winners(&mut self, context: &FrameContext, number: u32, pixels: usize, are_wide: bool) {
         if pixels == 0 {
             return;
         }
@@ -136,6 +136,9 @@ impl FullTally {
         let shadings = pixels.div_ceil(LANES) as u64;
         self.details.clusters_won += 1;
         self.details.shadings += shadings;
+        if are_wide {
+            self.details.shadings_wide += shadings;
+        }
         if shade::needs_plane(context, instance, cluster.head().normals_agree()) {
             self.details.shadings_by_plane += shadings;
         }
@@ -193,6 +196,8 @@ counts! {
         pub shadings: u64,
         /// Those of these groups that need the triangles' planes.
         pub shadings_by_plane: u64,
+        /// Those of clusters with triangles that are wide on the screen, which no specialized kernel shades.
+        pub shadings_wide: u64,
         /// Pixels with colours per vertex or per triangle that are shaded when a tile is finished, except whole blocks.
         pub pixels_colored: u64,
         /// Vertices of clusters with winners, counted in each tile, that have colours per vertex or per triangle.

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u16x32, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
 
-use super::{CornerNumbers, Projected, positions, project};
+use super::{CornerNumbers, CornerTable, Projected, positions, project};
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
 use crate::screen::PixelRect;
 use crate::simd::{LANES, each3, lookup, part, splat_i};
@@ -22,11 +22,19 @@ pub struct LocalVertices {
     pub pixel: [i32; 2],
     /// The cluster extends over [`SMALL_EXTENT`] sub-pixels or more, so that its triangles may, too.
     pub is_wide: bool,
+    /// One of its triangles does, so that its areas may not fit into 32 bits.
+    pub has_wide_triangles: bool,
 }
 
 impl Default for LocalVertices {
     fn default() -> Self {
-        Self { xy: [0; MAX_VERTICES], d: [0; MAX_VERTICES], pixel: [0; 2], is_wide: false }
+        Self {
+            xy: [0; MAX_VERTICES],
+            d: [0; MAX_VERTICES],
+            pixel: [0; 2],
+            is_wide: false,
+            has_wide_triangles: false,
+        }
     }
 }
 
@@ -47,9 +55,9 @@ impl LocalVertices {
             out_of_range |= self.store(simd, first, &v);
             first += LANES;
         }
-        self.is_wide = false;
+        (self.is_wide, self.has_wide_triangles) = (false, false);
         if out_of_range & 0xffff != 0 {
-            self.project_wide(simd, object, &axes);
+            self.project_wide(simd, object, cluster);
         }
     }
 
@@ -75,10 +83,11 @@ impl LocalVertices {
     /// The same for a cluster that may be wide, or whose first vertex is not near its middle.
     #[cold]
     #[inline(never)]
-    fn project_wide<S: Simd>(&mut self, simd: S, object: &ObjectView, axes: &[&[f32]; 3]) {
+    fn project_wide<S: Simd>(&mut self, simd: S, object: &ObjectView, cluster: &ClusterView) {
         simd.vectorize(
             #[inline(always)]
             || {
+                let axes = &cluster.positions();
                 let count = axes[0].len();
                 let (mut least, mut most) = ([i32::MAX; 2], [i32::MIN; 2]);
                 for first in (0..count).step_by(LANES) {
@@ -98,8 +107,24 @@ impl LocalVertices {
                     let v = project(simd, object, positions(simd, axes, first));
                     self.store(simd, first, &v);
                 }
+                self.has_wide_triangles = self.is_wide && self.is_any_triangle_wide(simd, cluster);
             },
         );
+    }
+
+    /// Does a triangle extend over [`SMALL_EXTENT`] sub-pixels or more?
+    #[inline(always)]
+    fn is_any_triangle_wide<S: Simd>(&self, simd: S, cluster: &ClusterView) -> bool {
+        let (corners, count) = (CornerTable::new(cluster), cluster.triangles());
+        let mut most = splat_i(simd, 0);
+        for first in (0..count).step_by(LANES) {
+            // Of the lanes behind the last triangle, each has the last one.
+            let triangles = std::array::from_fn(|lane| (first + lane).min(count - 1) as u8);
+            for k in self.coordinates(simd, &corners.look_up(simd, &triangles)) {
+                most = most.max(k[0].max(k[1]).max(k[2]) - k[0].min(k[1]).min(k[2]));
+            }
+        }
+        most.simd_ge(splat_i(simd, SMALL_EXTENT)).any_true()
     }
 
     /// One vertex in screen coordinates.

@@ -10,7 +10,7 @@ use crate::predict::counts::{Counters, TileWork, count_into};
 
 /// What a rank has drawn.
 pub struct Drawing {
-    /// Its work, of which that for pixels is that of the tiles in which there may be something.
+    /// Its work, of which that for pixels is that of the tiles in which there may be something, if there are several ranks.
     pub counters: Counters,
     /// The work in each of these tiles, if several threads share it.
     pub tiles: Vec<TileWork>,
@@ -50,7 +50,11 @@ pub fn drawing(
     let counted = count_into(scene, camera, &settings, threads, &mut frame)?;
     let is_touched = |tile: &u32| counted.tiles[*tile as usize].counters.tiles_used > 0;
     let touched: Vec<u32> = (0..counted.tiles.len() as u32).filter(is_touched).collect();
-    let pixels = touched.iter().map(|&tile| sharing.pixels_of(tile)).sum();
+    // One rank draws the whole picture. What several have not touched, rank 0 clears when it collects.
+    let pixels = match sharing.ranks {
+        1 => counted.frame.pixels,
+        _ => touched.iter().map(|&tile| sharing.pixels_of(tile)).sum(),
+    };
     let of_threads: &[u32] = if threads > 1 { &touched } else { &[] };
     let tiles = of_threads.iter().map(|&tile| counted.tiles[tile as usize]).collect();
     Ok(Drawing { counters: Counters { pixels, ..counted.frame }, tiles, touched, frame })

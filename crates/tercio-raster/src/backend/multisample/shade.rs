@@ -68,11 +68,11 @@ pub fn cluster<S: Simd, K: Sink>(
                 facing: table.facing,
             };
             let work = ClusterFragments { context, instance, cluster, colored, at, first };
-            if !vertices.is_wide && look.is(Common::<true>) {
+            if !vertices.has_wide_triangles && look.is(Common::<true>) {
                 work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
             } else if !K::LAYERS
                 && has_wide_registers(simd)
-                && !vertices.is_wide
+                && !vertices.has_wide_triangles
                 && let Some(features) = Explained::of(look, context, instance)
             {
                 // Lines and data on surfaces that are not opaque are rare.
@@ -149,7 +149,7 @@ impl ClusterFragments<'_> {
             let Some(colors) = list.colors[first..].first_chunk_mut() else { unreachable!("room was made") };
             let target = &mut FragmentTarget { colors, normals, opacity: surface.opacity };
             if F::ARE_SPECIAL {
-                // The specialized kernel is used only for clusters that are not wide.
+                // The specialized kernel is used only for clusters whose triangles are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, target);
             } else {

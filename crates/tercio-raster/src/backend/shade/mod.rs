@@ -238,7 +238,7 @@ pub fn winners<S: Simd>(
                 facing: table.facing,
             };
             let won = Won { context, number, instance, cluster, colored, memory, at };
-            let is_common = !pass.vertices.is_wide;
+            let is_common = !pass.vertices.has_wide_triangles;
             if is_common && look.is(Common::<true>) {
                 won.shade(simd, Common::<true>, pass, scratch, pixels, outputs);
             } else if is_common && look.is(Common::<false>) {
@@ -315,7 +315,7 @@ impl Won<'_> {
             let (context, instance, at) = (self.context, self.instance, self.at);
             let target = &mut PixelTarget { pixels, outputs };
             if F::ARE_SPECIAL {
-                // Here, the specialized kernels are used only for clusters that are not wide.
+                // Here, the specialized kernels are used only for clusters whose triangles are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, target);
             } else {
