@@ -58,8 +58,6 @@ pub enum Operation {
     Shading,
     /// The additional cost where pixels use the planes of their triangles.
     PlaneShading,
-    /// The additional cost where a triangle of the cluster is wide on the screen.
-    WideShading,
     /// The additional cost where the colours of pixels are those of vertices or triangles.
     ColoredShading,
     /// One colour of a pixel fetched from vertices or triangles.
@@ -130,7 +128,6 @@ impl Operation {
             Self::ClusterShaded => "cluster-shaded",
             Self::Shading => "shading",
             Self::PlaneShading => "plane-shading",
-            Self::WideShading => "wide-shading",
             Self::ColoredShading => "colored-shading",
             Self::ColoredPixel => "colored-pixel",
             Self::ColoredVertex => "colored-vertex",

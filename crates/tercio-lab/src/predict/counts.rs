@@ -79,8 +79,6 @@ pub struct Counters {
     pub shadings: u64,
     /// Of these, those that need the triangles' planes.
     pub shadings_by_plane: u64,
-    /// Of these, those of clusters with triangles that are wide on the screen, which a more general kernel shades.
-    pub shadings_wide: u64,
     /// Of the groups of pixels shaded, those in tiles that show colours of vertices or triangles.
     pub shadings_colored: u64,
     /// Stamps of 16 samples that the clusters of the tiles may reach, times the share of the clusters that are hidden.
@@ -199,7 +197,6 @@ impl Counters {
             clusters_won: d.clusters_won,
             shadings: d.shadings,
             shadings_by_plane: d.shadings_by_plane,
-            shadings_wide: d.shadings_wide,
             shadings_colored: if d.vertices_colored > 0 { d.shadings } else { 0 },
             pixels_colored: d.pixels_colored,
             vertices_colored: d.vertices_colored,

@@ -55,7 +55,7 @@ fn missed_lines(touched: u64, cache: f64) -> f64 {
 }
 
 /// The operations of a frame with the number of times each is charged.
-pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 31] {
+pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 30] {
     use Operation as O;
     use Phase as P;
     let whole = (16 * c.whole_blocks) as f64;
@@ -82,7 +82,6 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 31] {
         (P::Shading, O::ClusterShaded, n(c.clusters_won)),
         (P::Shading, O::Shading, n(c.shadings)),
         (P::Shading, O::PlaneShading, n(c.shadings_by_plane)),
-        (P::Shading, O::WideShading, n(c.shadings_wide)),
         (P::Shading, O::ColoredShading, n(c.shadings_colored)),
         (P::Shading, O::ColoredPixel, n(c.pixels_colored)),
         (P::Shading, O::ColoredVertex, n(c.vertices_colored)),

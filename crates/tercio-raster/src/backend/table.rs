@@ -54,7 +54,10 @@ impl ClusterTable {
         self.facing = Facing::default();
         let Some(normals) = cluster.normals() else { return };
         let sight = &context.lights.sight;
-        let from_middle = vertices.offset_from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
+        // Wide clusters, too, are less than twice as wide as the others.
+        let squares = if vertices.is_wide { 2 } else { 1 };
+        let spread = sight.spread * squares as f32;
+        let from_middle = vertices.offset_from_middle(sight).map(|c| c + squares * SMALL_EXTENT / 2);
         let to_viewer = sight.at(from_middle);
         let to_viewer = each3!(K => splat(simd, to_viewer[K]));
         let (mut not_towards, mut not_away) = (0, 0);
@@ -71,17 +74,15 @@ impl ClusterTable {
             };
             let n = unit_normal(simd, context, object, i32x16::load_array(simd, packed));
             let towards = dot(n, to_viewer);
-            not_towards |= !towards.simd_gt(splat(simd, sight.spread)).to_bitmask() as u32 & 0xffff;
-            not_away |= !towards.simd_lt(splat(simd, -sight.spread)).to_bitmask() as u32 & 0xffff;
+            not_towards |= !towards.simd_gt(splat(simd, spread)).to_bitmask() as u32 & 0xffff;
+            not_away |= !towards.simd_lt(splat(simd, -spread)).to_bitmask() as u32 & 0xffff;
             let n = scaled(simd, n, scale);
             for (to, axis) in self.normal.iter_mut().zip(n) {
                 axis.bitcast::<i32x16<S>>().store_slice(&mut to[first..first + LANES]);
             }
             first += LANES;
         }
-        if !vertices.is_wide {
-            self.facing = Facing { viewer: not_towards == 0, away: not_away == 0 };
-        }
+        self.facing = Facing { viewer: not_towards == 0, away: not_away == 0 };
     }
 
     /// Loads the positions of a cluster.
