@@ -86,8 +86,10 @@ pub enum Operation {
     PackedSample,
     /// One span of pixels unpacked from a message.
     UnpackedSpan,
-    /// One key or colour of these pixels unpacked from a message; keys are also compared.
+    /// One key or colour of these pixels unpacked from a message.
     UnpackedSample,
+    /// One pixel of two packets that are merged, with its key and colour.
+    MergedPixel,
     /// One pixel of another rank's region set to the background.
     ClearedPixel,
     /// One line of memory of pictures and messages that no cache holds.
@@ -143,6 +145,7 @@ impl Operation {
             Self::PackedSample => "packed-sample",
             Self::UnpackedSpan => "unpacked-span",
             Self::UnpackedSample => "unpacked-sample",
+            Self::MergedPixel => "merged-pixel",
             Self::ClearedPixel => "cleared-pixel",
             Self::ExchangeLine => "exchange-line",
             Self::SurveyedCluster => "surveyed-cluster",

@@ -83,6 +83,9 @@ impl Rates {
         let colors = settings.outputs.pixel_bytes() as f64;
         let of_spans = cost(Operation::UnpackedSpan) / SPAN;
         let finished_bytes = colors + SPAN_HEAD / SPAN;
+        // Another rank's pixel and one of this rank; a description without this cost has that of the two samples of one of them.
+        let merged =
+            2.0 * machine.seconds(Operation::MergedPixel).unwrap_or_else(|| cost(Operation::UnpackedSample));
         Self {
             cluster: cost(Operation::Cluster),
             entry: cost(Operation::ClusterEntry),
@@ -100,7 +103,7 @@ impl Rates {
             merged: if fragments {
                 MERGED_FRAGMENT
             } else {
-                of_spans + 2.0 * cost(Operation::UnpackedSample) + cost(Operation::ExchangeLine) * 0.2
+                of_spans + merged + cost(Operation::ExchangeLine) * 0.2
             },
             collected: [
                 cost(Operation::PackedSample) + cost(Operation::ScannedPixel),

@@ -19,7 +19,7 @@ const COLOR: f64 = 4.0;
 const CACHE_SHARE: f64 = 0.5;
 
 /// Kinds of work that are charged.
-pub const KINDS: usize = 12;
+pub const KINDS: usize = 13;
 
 /// The first kind of work that is about dividing the picture; they come last.
 pub const OF_DIVISION: usize = KINDS - 2;
@@ -39,6 +39,7 @@ pub const OPERATIONS: [Operation; KINDS] = [
     Operation::UnpackedSample,
     Operation::ClearedPixel,
     Operation::ExchangeLine,
+    Operation::MergedPixel,
     Operation::SurveyedCluster,
     Operation::DividedTile,
 ];
@@ -53,8 +54,9 @@ impl ExchangeCosts {
         OPERATIONS.iter().any(|&o| machine.seconds(o).is_some())
     }
 
-    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero; those of dividing a
-    /// picture, which older descriptions lack, are then those of `--organisation auto`.
+    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero. Those that older
+    /// descriptions lack are then others: of dividing a picture, those of `--organisation auto`; of merging a pixel, the two
+    /// samples of one of both pixels unpacked.
     ///
     /// # Errors
     /// [`MachineError::Missing`] if it has none at all.
@@ -64,6 +66,7 @@ impl ExchangeCosts {
         let usual = |operation| match operation {
             Operation::SurveyedCluster => rates::SURVEYED,
             Operation::DividedTile => rates::DIVIDED,
+            Operation::MergedPixel => machine.seconds_or_0(Operation::UnpackedSample),
             _ => 0.0,
         };
         Ok(Self(OPERATIONS.map(|o| machine.seconds(o).unwrap_or_else(|| usual(o)))))
@@ -158,9 +161,26 @@ impl<'a> Exchange<'a> {
         self.packed(drawn, scanned, true)
     }
 
-    /// Merging what a rank receives from another. `None` if it receives nothing.
+    /// Merging what a rank receives from another into what it has then, from itself and those that it received before: the others
+    /// in turn, beginning with the one before it. `None` if it receives nothing.
     pub fn composing(&self, from: usize, rank: usize) -> Option<Charges> {
-        Some(self.unpacked(self.messages.between(from, rank)?, true))
+        let taken = self.messages.between(from, rank)?;
+        let ranks = self.sharing.ranks;
+        let sent: u64 = self.messages.composed[rank].iter().flatten().map(|sent| sent.pixels).sum();
+        let kept = self.messages.shared[rank].0.pixels - sent;
+        let before = (1..ranks).map(|step| (rank + ranks - step) % ranks).take_while(|&other| other != from);
+        let received = before.filter_map(|other| self.messages.between(other, rank));
+        // What one hides of another is not known: at most what the rank shows in the end. Of that, what it has in the tiles that
+        // it receives, as if all had the same number of pixels.
+        let composited = self.messages.finished[rank].composited;
+        let own = (kept + received.map(|pixels| pixels.pixels).sum::<u64>()).min(composited.pixels) as f64;
+        let own = own * (taken.tiles as f64 / composited.tiles.max(1) as f64).min(1.0);
+        let mut charges = [0.0; KINDS];
+        charges[6] = taken.spans as f64;
+        charges[10] = own + taken.pixels as f64;
+        let written = taken.pixels as f64 * (KEY + COLOR);
+        charges[9] = (taken.keyed_bytes() as f64 + written) / LINE * self.missed;
+        Some(charges)
     }
 
     /// A rank's part of collecting the finished pixels: others pack them; rank 0 clears the pixels of its picture that it has
@@ -172,7 +192,7 @@ impl<'a> Exchange<'a> {
             charges[9] += 2.0 * finished.composited.bytes() as f64 / LINE * self.missed;
             return charges;
         }
-        let mut charges = self.unpacked(finished.composited, false);
+        let mut charges = self.unpacked(finished.composited);
         let cleared = (self.sharing.pixels() - finished.scanned) as f64;
         charges[8] = cleared;
         charges[9] += cleared * COLOR / LINE * self.missed;
@@ -181,7 +201,7 @@ impl<'a> Exchange<'a> {
 
     /// Rank 0 puts another rank's pixels into the picture.
     pub fn collecting(&self, from: usize) -> Charges {
-        self.unpacked(self.messages.finished[from].sent(), false)
+        self.unpacked(self.messages.finished[from].sent())
     }
 
     fn packed(&self, sent: Pixels, scanned: u64, keys: bool) -> Charges {
@@ -200,17 +220,11 @@ impl<'a> Exchange<'a> {
         charges
     }
 
-    fn unpacked(&self, taken: Pixels, keys: bool) -> Charges {
+    fn unpacked(&self, taken: Pixels) -> Charges {
         let mut charges = [0.0; KINDS];
         charges[6] = taken.spans as f64;
-        charges[7] = samples(taken, keys);
-        // Packets are merged into others.
-        let (bytes, written) = if keys {
-            (taken.keyed_bytes(), taken.pixels as f64 * (KEY + COLOR))
-        } else {
-            (taken.bytes(), taken.pixels as f64 * COLOR)
-        };
-        charges[9] = (bytes as f64 + written) / LINE * self.missed;
+        charges[7] = samples(taken, false);
+        charges[9] = (taken.bytes() as f64 + taken.pixels as f64 * COLOR) / LINE * self.missed;
         charges
     }
 }
@@ -278,7 +292,8 @@ mod tests {
         assert_eq!(packing[3..6], [512.0, 7.0, 140.0]);
         assert_eq!(packing[9], lines(512.0 * 8.0 + 70.0 * 4.0 + 7.0 * 6.0 + 70.0 * 12.0 + 12.0));
         let composing = exchange.composing(0, 1).unwrap();
-        assert_eq!((composing[6], composing[7]), (3.0, 60.0));
+        // Rank 1 keeps 20 of its 30 pixels, and shows 20 in the end.
+        assert_eq!((composing[6], composing[7], composing[10]), (3.0, 0.0, 50.0));
         assert_eq!(exchange.composing(0, 0), None);
         // Finished colours without keys.
         assert_eq!(exchange.finishing(1)[3..6], [256.0, 5.0, 50.0]);

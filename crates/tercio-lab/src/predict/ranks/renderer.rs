@@ -10,7 +10,7 @@ use tercio_scene::{Camera, Scene};
 
 use super::drawing::drawing;
 use super::exchange::{Exchange, ExchangeCosts, RankMemory};
-use super::schedule::{Played, Stage, Step, Wires, play};
+use super::schedule::{Noticed, Played, Stage, Step, Wires, play};
 use super::traffic::{Messages, Sharing, Traffic};
 use crate::machines::{Machine, MachineError, Topology};
 use crate::predict::PredictError;
@@ -230,10 +230,13 @@ pub fn predict(
     let cache = (together, Caches::of(machine, 1).shared);
     let copied = carrier != Carrier::Threads;
     let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
+    let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
     let wires = match carrier {
         Carrier::Network => on_network(&network, work),
-        Carrier::Threads => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false },
-        Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: true },
+        Carrier::Threads => {
+            Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Woken(wake_up) }
+        }
+        Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Polling },
     };
     let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
     // Ranks of one node exchange messages in its memory only.
@@ -359,7 +362,7 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     Wires {
         latency: f64::from(links.most_hops) * network.hop + inside,
         bandwidth: if seconds > 0.0 { (ports.busiest_link / seconds).min(fastest) } else { fastest },
-        sleeps: true,
+        noticed: Noticed::Polling,
     }
 }
 

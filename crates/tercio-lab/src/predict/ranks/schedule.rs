@@ -2,7 +2,8 @@
 //!
 //! A rank runs until it has to wait for a message. If there are more ranks than processors, the ready ones wait in a
 //! queue, and a rank whose time slice has expired goes to its end, like threads of equal priority in an operating
-//! system. A message leaves when its sender's port is free, crosses the network and enters when its receiver's port is
+//! system. Ranks that poll while they wait stay on their processors, each with a queue of its own: to the system, all
+//! processors are busy, and nothing is to be moved. A message leaves when its sender's port is free, crosses the network and enters when its receiver's port is
 //! free.
 
 use std::collections::VecDeque;
@@ -51,8 +52,17 @@ pub struct Wires {
     pub latency: f64,
     /// Bandwidth of a rank's port in bytes a second; infinite if messages are handed over in one memory.
     pub bandwidth: f64,
-    /// Whether a rank that waits for long sleeps and finds a message when it wakes up; otherwise the arrival wakes it.
-    pub sleeps: bool,
+    /// How a rank that waits notices a message.
+    pub noticed: Noticed,
+}
+
+/// How a rank that waits notices a message.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Noticed {
+    /// The arrival wakes it, which takes so many seconds.
+    Woken(f64),
+    /// It polls, from some time on at intervals between which it sleeps.
+    Polling,
 }
 
 /// How a process waits (`tercio-mpi`): it polls for `AWAKE` seconds, then sleeps repeatedly, each time for the share
@@ -100,6 +110,7 @@ enum State {
 struct Play<'a> {
     programs: &'a [Vec<Step>],
     wires: Wires,
+    processors: usize,
     now: f64,
     /// For each rank: the number of its step, and the seconds left of it.
     at: Vec<(usize, f64)>,
@@ -121,6 +132,7 @@ pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Play
     let mut play = Play {
         programs,
         wires,
+        processors: processors.max(1),
         now: 0.0,
         at: vec![(0, 0.0); n],
         states: vec![State::Ready { since: 0.0 }; n],
@@ -132,7 +144,7 @@ pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Play
         played: vec![Played::default(); n],
     };
     (0..n).for_each(|rank| play.begin_step(rank));
-    while play.turn(processors) {}
+    while play.turn() {}
     play.played
 }
 
@@ -146,21 +158,21 @@ impl Play<'_> {
     }
 
     /// Advances the time to the next event. False if there is none.
-    fn turn(&mut self, processors: usize) -> bool {
-        let mut running = self.running();
-        while running.len() < processors.max(1) {
-            let Some(rank) = self.line.pop_front() else { break };
+    fn turn(&mut self) -> bool {
+        while let Some(rank) = self.next_in_line() {
             if let State::Ready { since } = self.states[rank] {
                 self.played[rank].queued += self.now - since;
             }
             self.states[rank] = State::Running { slice: SLICE };
             self.go_on(rank);
-            running = self.running();
         }
+        let running = self.running();
         let mut next = f64::INFINITY;
         for &rank in &running {
             next = next.min(self.at[rank].1);
-            if let (State::Running { slice }, false) = (self.states[rank], self.line.is_empty()) {
+            if let State::Running { slice } = self.states[rank]
+                && self.line.iter().any(|&other| self.home(other) == self.home(rank))
+            {
                 next = next.min(slice);
             }
         }
@@ -187,6 +199,25 @@ impl Play<'_> {
         true
     }
 
+    /// The processor that a rank stays on, if it does.
+    fn home(&self, rank: usize) -> Option<usize> {
+        (self.wires.noticed == Noticed::Polling).then_some(rank % self.processors)
+    }
+
+    /// Takes the first rank out of the queue for which a processor is free.
+    fn next_in_line(&mut self) -> Option<usize> {
+        if self.line.is_empty() {
+            return None;
+        }
+        let running = self.running();
+        let is_free = |home: Option<usize>| match home {
+            Some(_) => running.iter().all(|&rank| self.home(rank) != home),
+            None => running.len() < self.processors,
+        };
+        let at = self.line.iter().position(|&rank| is_free(self.home(rank)))?;
+        self.line.remove(at)
+    }
+
     fn running(&self) -> Vec<usize> {
         let is_running = |&rank: &usize| matches!(self.states[rank], State::Running { .. });
         (0..self.states.len()).filter(is_running).collect()
@@ -196,7 +227,10 @@ impl Play<'_> {
     fn expect(&mut self, rank: usize) {
         let State::Waiting { since, from } = self.states[rank] else { return };
         if let Some(&arrival) = self.arrivals[from * self.states.len() + rank].front() {
-            self.learns[rank] = if self.wires.sleeps { since + found(arrival - since) } else { arrival };
+            self.learns[rank] = match self.wires.noticed {
+                Noticed::Polling => since + found(arrival - since),
+                Noticed::Woken(seconds) => arrival + seconds,
+            };
         }
     }
 
@@ -269,7 +303,7 @@ mod tests {
     use super::*;
 
     const APART: usize = 99;
-    const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false };
+    const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Woken(0.0) };
 
     fn ends(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<f64> {
         play(programs, processors, wires).iter().map(|p| (p.end * 1e9).round() / 1e9).collect()
@@ -299,9 +333,29 @@ mod tests {
         let send = Step::Send { to: 0, bytes: 100 };
         let programs = vec![vec![work(1.0), Step::Take { from: 1 }, work(1.0)], vec![work(3.0), send]];
         assert_eq!(ends(&programs, APART, AT_ONCE), [4.0, 3.0]);
-        let slow = Wires { latency: 0.5, bandwidth: 50.0, sleeps: false };
+        let slow = Wires { latency: 0.5, bandwidth: 50.0, noticed: Noticed::Woken(0.0) };
         assert_eq!(ends(&programs, APART, slow), [3.0 + 0.5 + 2.0 + 1.0, 3.0]);
         assert!((play(&programs, APART, slow)[0].waited - 4.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ranks_that_poll_stay_on_their_processors() {
+        let polling = Wires { noticed: Noticed::Polling, ..AT_ONCE };
+        // Ranks 0 and 2 have one processor, ranks 1 and 3 the other.
+        let programs = [vec![work(2e-3)], vec![work(1e-3)], vec![work(2e-3)], vec![work(1e-3)]];
+        assert_eq!(ends(&programs, 2, polling), [2e-3, 1e-3, 4e-3, 2e-3]);
+        assert_eq!(ends(&programs, 2, AT_ONCE), [2e-3, 1e-3, 3e-3, 3e-3]);
+    }
+
+    #[test]
+    fn an_arrival_wakes_a_rank_that_waits() {
+        let send = Step::Send { to: 0, bytes: 100 };
+        let woken = Wires { noticed: Noticed::Woken(0.25), ..AT_ONCE };
+        let end = |before: f64| {
+            ends(&[vec![work(before), Step::Take { from: 1 }], vec![work(1.0), send]], APART, woken)
+        };
+        // One that does not wait yet takes the message at once.
+        assert_eq!([end(0.5)[0], end(2.0)[0]], [1.25, 2.0]);
     }
 
     #[test]
@@ -309,7 +363,7 @@ mod tests {
         let send = Step::Send { to: 0, bytes: 100 };
         let waits = |seconds: f64| {
             let programs = [vec![Step::Take { from: 1 }, work(1e-3)], vec![work(seconds), send]];
-            ends(&programs, APART, Wires { sleeps: true, ..AT_ONCE })[0]
+            ends(&programs, APART, Wires { noticed: Noticed::Polling, ..AT_ONCE })[0]
         };
         assert_eq!(waits(150e-6), 1150e-6);
         // It wakes after 200, 262.5 and 328.906 us.
@@ -321,7 +375,7 @@ mod tests {
     fn a_port_passes_one_message_after_another() {
         let send = Step::Send { to: 0, bytes: 100 };
         let takes = vec![Step::Take { from: 1 }, Step::Take { from: 2 }];
-        let wires = Wires { latency: 0.0, bandwidth: 100.0, sleeps: false };
+        let wires = Wires { latency: 0.0, bandwidth: 100.0, noticed: Noticed::Woken(0.0) };
         assert_eq!(ends(&[takes, vec![send], vec![send]], APART, wires), [2.0, 0.0, 0.0]);
         let both = vec![send, Step::Send { to: 2, bytes: 100 }];
         let programs = [vec![Step::Take { from: 1 }], both, vec![Step::Take { from: 1 }]];
