@@ -94,7 +94,36 @@ fn all_that_the_renderer_can_do_is_searched() {
     assert!(has(RendererOrganisation::SortTwice { group: 2 }, Composition::Tree));
     assert!(has(RendererOrganisation::SortLast, Composition::BinarySwap));
     assert!(has(RendererOrganisation::SortTwice { group: 3 }, Composition::Ring));
-    assert!(has(RendererOrganisation::SortLast, Composition::TwoThreeSwap));
+    // Of two and four ranks that is binary swap, of three direct send.
+    assert!(!has(RendererOrganisation::SortLast, Composition::TwoThreeSwap));
+}
+
+/// The page quotes how many candidates there are, without the other tiles of the best ranks.
+#[test]
+fn the_page_has_the_numbers_of_candidates() {
+    let number = |machine: &str, processors: usize| {
+        let machine = builtin(machine).unwrap().unwrap();
+        let all = crate::predict::choose::candidates::Limits::ALL;
+        let of = |split: &Split| all.candidates(split.ranks).unwrap().len();
+        let of_ranks: usize = splits::of_ranks(&machine, processors).iter().map(of).sum();
+        of_ranks + splits::threads(&machine, processors).len() * TILE_EDGES.len()
+    };
+    // As few as are really predicted.
+    let four = advice("server-128", "builtin:gyroid@5k", 4, None).candidates;
+    let tiles = |c: &&Candidate| matches!(c.how, How::Ranks { region: Some(_), .. });
+    assert_eq!(four.len() - four.iter().filter(tiles).count(), number("server-128", 4));
+    let words = |number: usize| match (number / 1000, number % 1000) {
+        (0, rest) => rest.to_string(),
+        (thousands, rest) => format!("{thousands},{rest:03}"),
+    };
+    let [server, few, cluster] =
+        [("server-128", 128), ("server-128", 16), ("cluster-64", 8192)].map(|(m, n)| words(number(m, n)));
+    let sentence = format!(
+        "{server} for `server-128`, {few} with `--processors 16`, {cluster} for the 8,192 processors of `cluster-64`"
+    );
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory/advice.md");
+    let page = std::fs::read_to_string(page).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(page.contains(&sentence), "{sentence}");
 }
 
 #[test]

@@ -262,6 +262,15 @@ fn joined(count: usize) -> Vec<Vec<Joined>> {
     rounds
 }
 
+/// The sizes of the groups of each round of 2-3 swap if all groups of a round have the same: then it is radix-k with other names.
+pub(super) fn even_groups(count: usize) -> Option<Vec<usize>> {
+    let even = |round: &Vec<Joined>| match round[..] {
+        [node] if node.size.is_multiple_of(node.children) => Some(node.children),
+        _ => None,
+    };
+    joined(count).iter().rev().map(even).collect()
+}
+
 /// The sizes of the groups of radix-k.
 pub(super) fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
     let mut sizes = Vec::new();
