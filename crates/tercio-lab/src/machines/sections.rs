@@ -111,3 +111,7 @@ pub struct Calibration {
     /// Median over the frames of the spread of their rounds: slowest over fastest, minus 1.
     pub spread: Sourced<Ratio>,
 }
+    /// What makes the measurement doubtful, if it was still so when it had been repeated: another program or guest may have used the
+    /// machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<String>,

@@ -98,6 +98,7 @@ mod tests {
             residual: share(residual),
             worst_residual: share(0.5),
             spread: share(0.3),
+            doubt: None,
         }
     }
 
