@@ -302,7 +302,8 @@ fn frames_are_homogeneous_in_what_is_assumed() {
         costs: off.clone(),
         memory_bandwidth: off.clone(),
         network_bandwidth: off.clone(),
-        message: off,
+        message: off.clone(),
+        wake_up: off,
         ..Default::default()
     });
     let splits =
@@ -313,6 +314,30 @@ fn frames_are_homogeneous_in_what_is_assumed() {
         let ([fast, slow], seconds) = (c.assumed.unwrap(), c.frame.total());
         assert!((2.0 * fast / seconds - 1.0).abs() < 1e-6, "{} {fast} {seconds}", c.describe());
         assert!((slow / seconds / 2.0 - 1.0).abs() < 1e-6, "{} {slow} {seconds}", c.describe());
+    }
+}
+
+/// Waking up takes as long whatever the work is: it is no part of the share of a thread, and every rank waits for it once.
+#[test]
+fn ranks_wait_once_until_their_threads_have_woken_up() {
+    let (scene, camera, settings) = made("builtin:gyroid@20k", (320, 240));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let mut machine = builtin("server-128").unwrap().unwrap();
+    machine.uncertainty = None;
+    let splits =
+        [Split { ranks: 2, threads: 1 }, Split { ranks: 2, threads: 4 }, Split { ranks: 8, threads: 4 }];
+    let mut with = |wake_up: f64| {
+        machine.processors.wake_up =
+            Some(crate::machines::Sourced::new(wake_up, String::new(), String::new()));
+        formulas::ranks(&machine, &picture, None, &splits, None).unwrap()
+    };
+    let (none, some, long) = (with(0.0), with(4e-6), with(1.0));
+    for ((none, some), long) in none.iter().zip(&some).zip(&long) {
+        let [none_s, some_s, long_s] = [none, some, long].map(|c| c.frame.total());
+        let expected = if none.split.threads == 1 { 0.0 } else { 3e-6 };
+        assert!((some_s - none_s - expected).abs() < 1e-12, "{} {none_s} {some_s}", none.describe());
+        // A frame that is shorter is one thread's, not a second's.
+        assert!(long_s >= some_s && long_s < 0.1, "{} {long_s}", none.describe());
     }
 }
 
