@@ -88,6 +88,33 @@ fn a_description_with_absurd_numbers_is_refused() {
         .failed(1, &["absurd.toml:", "processors.count: expected at most 1048576, found 99999999999"]);
 }
 
+#[test]
+fn predictions_by_a_doubtful_measurement_say_so() {
+    let place = Place::new();
+    let text = place.run("lab machines two-core-2026").ok_silently().text().to_string();
+    let share = |key: &str| format!("{key} = {{ value = \"5 %\", source = \"x\" }}\n");
+    let measured = format!(
+        "{text}\n[calibration]\ndate = \"2026-01-01\"\nprocessor = \"x\"\nversion = \"0\"\n\
+         frames = {{ value = \"9\", source = \"x\" }}\n{}",
+        ["residual", "worst-residual", "spread"].map(share).concat()
+    );
+    std::fs::write(place.path("quiet.toml"), &measured).unwrap();
+    std::fs::write(place.path("noisy.toml"), format!("{measured}doubt = \"the serial share is 23.0 %\"\n"))
+        .unwrap();
+    for command in ["predict model.off --size 16x16", "advise model.off --size 16x16 --processors 2"] {
+        place.run(&format!("lab {command} --machine quiet.toml")).ok_silently();
+        place.run(&format!("lab {command} --machine noisy.toml --quiet")).ok_silently();
+        let said = place.run(&format!("lab {command} --machine noisy.toml"));
+        assert_eq!((said.code, said.stderr.lines().count()), (Some(0), 1), "{}", said.stderr);
+        assert!(
+            said.stderr.starts_with("warning: noisy.toml: its measurement is doubtful"),
+            "{}",
+            said.stderr
+        );
+        assert!(said.stderr.contains("the serial share is 23.0 %"), "{}", said.stderr);
+    }
+}
+
 /// What is between the fences of a language, without the indentation of a list.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let mut blocks = Vec::new();

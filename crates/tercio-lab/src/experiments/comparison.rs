@@ -140,25 +140,24 @@ impl Comparison {
     /// The verdict: contradicted if something does not agree, or if no fewer printed numbers are contradicted than agree;
     /// otherwise by what was compared.
     pub fn verdict(&self) -> Verdict {
-        let words = || format!("{}.", self.words());
         let has = |evidence| self.pairs.iter().any(|p| p.evidence == evidence);
-        if !self.agrees() || (!self.contradicted.is_empty() && self.contradicted.len() >= self.pairs.len()) {
-            return Verdict::Contradicted { why: words() };
+        if !self.agrees() || self.is_outnumbered() {
+            return self.contradicted();
         }
+        let within = self.within();
         if let Some(correction) = &self.correction {
-            let correction = correction.clone();
-            return Verdict::ReproducedAfterCorrection { within: words(), correction };
+            return Verdict::ReproducedAfterCorrection { within, correction: correction.clone() };
         }
         if !self.fits.is_empty() {
             return self.qualitative("Inputs are not stated.");
         }
         // A verdict is no better than the weakest of its numbers.
         if has(Evidence::Formula) {
-            Verdict::Restated { within: words() }
+            Verdict::Restated { within }
         } else if has(Evidence::Independent) {
-            Verdict::Reproduced { within: words() }
+            Verdict::Reproduced { within }
         } else if has(Evidence::Input) {
-            Verdict::ByConstruction { within: words() }
+            Verdict::ByConstruction { within }
         } else {
             self.qualitative("No numbers are printed.")
         }
@@ -166,37 +165,63 @@ impl Comparison {
 
     /// Qualitative, for the reason `why`, if everything agrees; otherwise contradicted.
     pub fn qualitative(&self, why: impl Into<String>) -> Verdict {
-        let words = format!("{}.", self.words());
-        if self.agrees() {
-            Verdict::Qualitative { why: why.into(), agrees: words }
-        } else {
-            Verdict::Contradicted { why: words }
-        }
+        if self.agrees() { self.of_our_model(why) } else { self.contradicted() }
     }
 
     /// Qualitative, for the reason `why`, whatever fails: what is compared is no print, but a model of ours.
     pub fn of_our_model(&self, why: impl Into<String>) -> Verdict {
-        Verdict::Qualitative { why: why.into(), agrees: format!("{}.", self.words()) }
+        let (agrees, fails) = (self.within(), sentence(&self.failing()));
+        Verdict::Qualitative { why: why.into(), agrees, fails }
     }
 
-    /// A sentence about what holds and what does not.
-    fn words(&self) -> String {
-        let of = |holding: bool| {
-            let names: Vec<_> = self.claims.iter().filter(|c| c.1 == holding).map(|c| c.0.as_str()).collect();
-            names.join("; ")
-        };
-        let (held, failed) = (of(true), of(false));
-        let mut parts = Vec::new();
-        if !failed.is_empty() {
-            parts.push(format!("not so: {failed}"));
+    /// Contradicted: what fails comes first.
+    fn contradicted(&self) -> Verdict {
+        let parts =
+            [("not so: ", self.failing()), ("", self.contradicting()), ("what agrees: ", self.agreeing())];
+        let said = parts.iter().filter(|part| !part.1.is_empty());
+        let said: Vec<_> = said.map(|(head, part)| format!("{head}{}", part.join("; "))).collect();
+        let why = if said.is_empty() { "Nothing was compared.".into() } else { sentence(&said) };
+        Verdict::Contradicted { why }
+    }
+
+    /// What holds, printed numbers that are contradicted included.
+    fn within(&self) -> String {
+        sentence(&[self.agreeing(), self.contradicting()].concat())
+    }
+
+    /// Whether no fewer printed numbers are contradicted than agree.
+    fn is_outnumbered(&self) -> bool {
+        !self.contradicted.is_empty() && self.contradicted.len() >= self.pairs.len()
+    }
+
+    /// What fails: claims that do not hold, numbers beyond their tolerances, sweeps that do not meet print.
+    fn failing(&self) -> Vec<String> {
+        let mut parts: Vec<_> = self.claims.iter().filter(|c| !c.1).map(|c| c.0.clone()).collect();
+        let missing: Vec<_> = self.pairs.iter().filter(|p| !p.agrees()).map(Pair::miss).collect();
+        if !missing.is_empty() {
+            let all = self.pairs.len();
+            parts.push(format!("{} of {all} numbers miss: {}", missing.len(), missing.join("; ")));
         }
-        if !self.pairs.is_empty() {
-            parts.push(self.words_of_numbers());
+        let misses = |readings: &&Vec<Fit>| readings.iter().all(|fit| fit.intervals().is_empty());
+        parts.extend(self.fits.iter().filter(misses).flatten().map(Fit::text));
+        for (input, numbers, intervals) in self.inputs() {
+            if numbers > 1 && intervals.is_empty() {
+                parts.push(format!("no {input} gives all {numbers} numbers"));
+            }
         }
-        if !self.contradicted.is_empty() {
-            let all = self.contradicted.join(" ");
-            parts.push(format!("printed numbers that are contradicted: {}", all.trim_end_matches('.')));
-        }
+        parts
+    }
+
+    /// The printed numbers that a correct computation contradicts.
+    fn contradicting(&self) -> Vec<String> {
+        let all = self.contradicted.join(" ");
+        let words = || format!("printed numbers that are contradicted: {}", all.trim_end_matches('.'));
+        if self.contradicted.is_empty() { Vec::new() } else { vec![words()] }
+    }
+
+    /// What holds.
+    fn agreeing(&self) -> Vec<String> {
+        let mut parts = self.words_of_numbers();
         for (count, what) in
             [(self.not_printed, "not printed"), (self.read, "read from the scan, not computed")]
         {
@@ -204,25 +229,21 @@ impl Comparison {
                 parts.push(format!("{count} numbers are {what}"));
             }
         }
-        parts.extend(self.fits.iter().flatten().map(Fit::text));
+        let meets = |readings: &&Vec<Fit>| readings.iter().any(|fit| !fit.intervals().is_empty());
+        parts.extend(self.fits.iter().filter(meets).flatten().map(Fit::text));
         for (input, numbers, intervals) in self.inputs() {
-            if numbers > 1 {
-                parts.push(if intervals.is_empty() {
-                    format!("no {input} gives all {numbers} numbers")
-                } else {
-                    format!("{input} of {} gives all {numbers} numbers", in_words(&intervals))
-                });
+            if numbers > 1 && !intervals.is_empty() {
+                parts.push(format!("{input} of {} gives all {numbers} numbers", in_words(&intervals)));
             }
         }
-        if !held.is_empty() {
-            parts.push(if failed.is_empty() { held } else { format!("what agrees: {held}") });
-        }
-        parts.join("; ")
+        parts.extend(self.claims.iter().filter(|c| c.1).map(|c| c.0.clone()));
+        parts
     }
 
-    /// The pairs by evidence, their largest deviation, where their tolerances come from, and those that fail.
-    fn words_of_numbers(&self) -> String {
-        let count = |evidence| self.pairs.iter().filter(|p| p.evidence == evidence).count();
+    /// The pairs that agree, by evidence, their largest deviation, and where their tolerances come from; empty if none does.
+    fn words_of_numbers(&self) -> Vec<String> {
+        let agreeing: Vec<_> = self.pairs.iter().filter(|p| p.agrees()).collect();
+        let count = |evidence| agreeing.iter().filter(|p| p.evidence == evidence).count();
         let kinds = [
             (count(Evidence::Independent), "simulated or counted"),
             (count(Evidence::Formula), "by the document's formula"),
@@ -230,31 +251,17 @@ impl Comparison {
         ];
         let kinds: Vec<_> =
             kinds.iter().filter(|k| k.0 > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
-        let failed: Vec<_> = self.pairs.iter().filter(|p| !p.agrees()).collect();
-        if !failed.is_empty() {
-            let said = |p: &&Pair| {
-                format!(
-                    "{}: ours {}, published {} ± {} ({})",
-                    p.name,
-                    p.ours,
-                    p.published,
-                    p.tolerance,
-                    p.from.text()
-                )
-            };
-            let said: Vec<_> = failed.iter().map(said).collect();
-            let all = self.pairs.len();
-            return format!("{} of {all} numbers miss: {}", failed.len(), said.join("; "));
-        }
-        let relative = |p: &&Pair| if p.published == 0.0 { 0.0 } else { (p.ours / p.published - 1.0).abs() };
-        let worst = self.pairs.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)));
-        let worst = worst.map_or(String::new(), |p| {
-            format!("; largest deviation {:.2} % at {}", 100.0 * relative(&p), p.name)
-        });
-        let mut sources: Vec<_> = self.pairs.iter().map(|p| p.from.text()).collect();
+        let relative = |p: &Pair| if p.published == 0.0 { 0.0 } else { (p.ours / p.published - 1.0).abs() };
+        let worst = agreeing.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)));
+        let mut sources: Vec<_> = agreeing.iter().map(|p| p.from.text()).collect();
         sources.sort_unstable();
         sources.dedup();
-        format!("{} numbers agree{worst}; tolerances: {}", kinds.join(", "), sources.join(", "))
+        let words = worst.map(|worst| {
+            let (off, at) = (100.0 * relative(worst), &worst.name);
+            let (kinds, sources) = (kinds.join(", "), sources.join(", "));
+            format!("{kinds} numbers agree; largest deviation {off:.2} % at {at}; tolerances: {sources}")
+        });
+        words.into_iter().collect()
     }
 
     /// Compares the published numbers whose names begin with one of `prefixes`, or are `E5.9` for `E5.9=`: printed ones
@@ -322,6 +329,17 @@ impl Pair {
         let rounding = if self.tolerance > 0.0 { 4.0 * f64::EPSILON * self.published.abs() } else { 0.0 };
         (self.ours - self.published).abs() <= self.tolerance + rounding
     }
+
+    /// Both numbers and the tolerance, in words.
+    fn miss(&self) -> String {
+        let Self { name, ours, published, tolerance, from, .. } = self;
+        format!("{name}: ours {ours}, published {published} ± {tolerance} ({})", from.text())
+    }
+}
+
+/// Parts of a sentence; empty if there are none.
+fn sentence(parts: &[String]) -> String {
+    if parts.is_empty() { String::new() } else { format!("{}.", parts.join("; ")) }
 }
 
 #[cfg(test)]

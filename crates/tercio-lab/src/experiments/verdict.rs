@@ -36,12 +36,42 @@ pub enum Verdict {
         why: String,
         /// The properties of the shape that agree, measured, and which inputs give the printed numbers.
         agrees: String,
+        /// What does not agree, of a model that is ours and not the document's; otherwise empty.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        fails: String,
     },
     /// Our values do not agree.
     Contradicted {
         /// Where and by how much.
         why: String,
     },
+    /// No verdict: what is published does not determine whether our values are right, so that ours stand beside it.
+    None {
+        /// What is not published.
+        why: String,
+        /// Ours.
+        beside: String,
+    },
+}
+
+/// The names of all verdicts, in the order of a summary.
+const NAMES: [&str; 7] = [
+    "reproduced",
+    "reproduced after correction",
+    "restated",
+    "by construction",
+    "qualitative",
+    "contradicted",
+    "no verdict",
+];
+
+/// How many experiments have which verdict, in words; those without a verdict, and those that failed, are counted apart.
+pub fn summary<'a>(verdicts: impl Iterator<Item = Option<&'a Verdict>>) -> String {
+    let names: Vec<_> = verdicts.map(|verdict| verdict.map_or("failed", Verdict::name)).collect();
+    let count = |name: &str| names.iter().filter(|found| **found == name).count();
+    let all = NAMES.into_iter().chain(["failed"]).map(|name| (name, count(name)));
+    let words: Vec<_> = all.filter(|of| of.1 > 0).map(|(name, count)| format!("{count} {name}")).collect();
+    format!("Of {} experiments: {}.", names.len(), words.join(", "))
 }
 
 impl Verdict {
@@ -54,6 +84,7 @@ impl Verdict {
             Self::ByConstruction { .. } => "by construction",
             Self::Qualitative { .. } => "qualitative",
             Self::Contradicted { .. } => "contradicted",
+            Self::None { .. } => "no verdict",
         }
     }
 
@@ -68,12 +99,13 @@ impl Verdict {
             Self::ByConstruction { within } => {
                 format!("An input was chosen so that this comes out. {}", capitalized(within))
             }
-            // Of a model of ours, what fails comes first, and then says itself what agrees.
-            Self::Qualitative { why, agrees } if agrees.starts_with("not so: ") => {
-                format!("{why} {}", capitalized(agrees))
+            Self::Qualitative { why, agrees, fails } => {
+                let parts = [("Not so: ", fails), ("What agrees: ", agrees)];
+                let said = parts.iter().filter(|part| !part.1.is_empty());
+                said.fold(why.clone(), |text, (head, part)| format!("{text} {head}{part}"))
             }
-            Self::Qualitative { why, agrees } => format!("{why} What agrees: {agrees}"),
             Self::Contradicted { why } => capitalized(why),
+            Self::None { why, beside } => format!("{why} Ours: {beside}"),
         }
     }
 }
@@ -89,9 +121,29 @@ mod tests {
 
     #[test]
     fn what_fails_is_not_among_what_agrees() {
-        let text =
-            |agrees: &str| Verdict::Qualitative { why: "It is ours.".into(), agrees: agrees.into() }.text();
-        assert_eq!(text("a; b."), "It is ours. What agrees: a; b.");
-        assert_eq!(text("not so: a; what agrees: b."), "It is ours. Not so: a; what agrees: b.");
+        let text = |agrees: &str, fails: &str| {
+            let (agrees, fails) = (agrees.to_owned(), fails.to_owned());
+            Verdict::Qualitative { why: "It is ours.".into(), agrees, fails }.text()
+        };
+        assert_eq!(text("a; b.", ""), "It is ours. What agrees: a; b.");
+        assert_eq!(text("b.", "a."), "It is ours. Not so: a. What agrees: b.");
+        assert_eq!(text("", "a."), "It is ours. Not so: a.");
+    }
+
+    #[test]
+    fn a_summary_counts_every_experiment_once() {
+        let words = String::new;
+        let all = [
+            Verdict::Reproduced { within: words() },
+            Verdict::ReproducedAfterCorrection { within: words(), correction: words() },
+            Verdict::Restated { within: words() },
+            Verdict::ByConstruction { within: words() },
+            Verdict::Qualitative { why: words(), agrees: words(), fails: words() },
+            Verdict::Contradicted { why: words() },
+            Verdict::None { why: words(), beside: words() },
+        ];
+        assert_eq!(NAMES, std::array::from_fn::<_, 7, _>(|k| all[k].name()));
+        let some = [Some(&all[0]), Some(&all[6]), None, Some(&all[0])];
+        assert_eq!(summary(some.into_iter()), "Of 4 experiments: 2 reproduced, 1 no verdict, 1 failed.");
     }
 }

@@ -17,7 +17,8 @@ machines! {
     "mcmanus-array", "cm-200", "cm-5", "pixelflow", "hybris-single-cpu", "hybris-dual-cpu", "hybris-asic",
     "hybris-asic-2x2", "hybris-asic-two-engines", "hybris-fpga", "sgi-gtx", "sgi-reality-engine",
     "pixel-planes-5", "voodoo-sli", "rage-fury-maxx", "metabyte-pgc", "wildcat-parascale", "powervr-naomi-2",
-    "vc-1", "pomegranate", "intrepid", "stampede2-skx", "stampede2-knl", "theta", "slic-cluster", "two-core-2026", "server-128", "cluster-64",
+    "vc-1", "pomegranate", "intrepid", "stampede2-skx", "stampede2-knl", "theta", "slic-cluster",
+    "two-core-2026", "server-128", "cluster-64",
 }
 
 /// A built-in machine; `None` if there is none of this name.

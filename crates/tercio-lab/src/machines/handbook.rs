@@ -126,8 +126,8 @@ fn page() -> String {
     let mut page = String::from(
         "# Files of the laboratory\n\nMade from the code that reads the files; a test compares this page with it.\n\n\
          ## Machines\n\nA machine is a TOML file. Every number has its source: `{ value = \"14 MHz\", source = \"000, \
-         2.3\" }`. Prefixes of units (k, M, G, Ki, m, u, n) are understood; the table gives base units. A section or key \
-         that is *optional* has no value if it is not given: a command that needs it names it and ends with an error.\n",
+         2.3\" }`. Prefixes of units (k, M, G, Ki, m, u, n)\nare understood; the table gives base units. A section or key \
+         that is *optional* has no value if it is not given:\na command that needs it names it and ends with an error.\n",
     );
     for (section, code, name) in STRUCTURES {
         let title = if section.is_empty() { "Top of the file".into() } else { format!("`[{section}]`") };

@@ -81,12 +81,15 @@ pub struct Assumptions {
     /// The same for the bandwidth of memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_bandwidth: Option<Sourced<Ratio>>,
-    /// The same for the bandwidth of network and node.
+    /// The same for the bandwidth of network, node and mpi.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network_bandwidth: Option<Sourced<Ratio>>,
-    /// The same for the times of messages and hops of network and node.
+    /// The same for the times of messages and hops of network, node and mpi.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub message: Option<Sourced<Ratio>>,
+    /// The same for the time in which other processors wake up, `processors.wake-up`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wake_up: Option<Sourced<Ratio>>,
     /// The largest share of a frame's work that may run on one processor only; the least is that of `processors`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub serial: Option<Sourced<Ratio>>,
@@ -110,4 +113,8 @@ pub struct Calibration {
     pub worst_residual: Sourced<Ratio>,
     /// Median over the frames of the spread of their rounds: slowest over fastest, minus 1.
     pub spread: Sourced<Ratio>,
+    /// What makes the measurement doubtful, if it was still so when it had been repeated: another program or guest may have used the
+    /// machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<String>,
 }

@@ -113,13 +113,16 @@ pub enum Progress<'a> {
     Next(&'a str),
     /// Why the rounds are repeated: the machine was too busy.
     Repeated(&'a str),
+    /// What is still doubtful, or too noisy, of the measurement that is kept.
+    Doubtful(&'a str),
 }
 
 /// How often rounds are repeated on a machine that is too busy.
 const REPEATS: u32 = 2;
 
 /// Measures this machine. `mpi` is the network over MPI, if the caller has [measured](messages::measure) it with its
-/// ranks. If the measurement is too noisy, the rounds are repeated twice.
+/// ranks. If the measurement is doubtful or too noisy, the rounds are repeated twice; of all the first of the least noise is kept,
+/// and its description says what remains doubtful.
 ///
 /// # Errors
 /// [`PredictError`]; [`PredictError::Noisy`] if it is still too noisy then.
@@ -137,8 +140,7 @@ pub fn calibrate(
         pictures.extend(pictures_of(model, loaded.mesh, o.threads)?);
     }
     let rounds = o.rounds.max(2);
-    let mut repeats = 0;
-    loop {
+    least_noisy(o.accept_noise, &mut progress, |progress| {
         // A repeat begins anew: one frame that was too fast would keep every spread large.
         for Picture { sample, .. } in &mut pictures {
             (sample.seconds, sample.slowest, sample.together) = (f64::INFINITY, 0.0, None);
@@ -149,38 +151,94 @@ pub fn calibrate(
         }
         progress(Progress::Next("memory and messages"));
         let samples = pictures.iter().map(|p| p.sample.clone()).collect();
-        let calibration = fitted(description(o, mpi.clone())?, samples, o.threads);
-        let Some(noise) = noise(&calibration.machine) else { return Ok(calibration) };
-        if repeats == REPEATS {
-            return if o.accept_noise { Ok(calibration) } else { Err(PredictError::Noisy(noise)) };
+        Ok(fitted(description(o, mpi.clone())?, samples, o.threads))
+    })
+}
+
+/// Measures, at most [`REPEATS`] times more, until there is little noise; of all the first of the least noise, which says what is
+/// doubtful of it.
+fn least_noisy(
+    accept_noise: bool,
+    progress: &mut impl FnMut(Progress<'_>),
+    mut measure: impl FnMut(&mut dyn FnMut(Progress<'_>)) -> Result<Calibration, PredictError>,
+) -> Result<Calibration, PredictError> {
+    let mut kept = measure(progress)?;
+    let mut least = noise(&kept.machine);
+    for _ in 0..REPEATS {
+        let (Noise::Doubtful(why) | Noise::TooMuch(why)) = &least else { break };
+        progress(Progress::Repeated(why));
+        let again = measure(progress)?;
+        let noise = noise(&again.machine);
+        if noise.level() < least.level() {
+            (kept, least) = (again, noise);
         }
-        repeats += 1;
-        progress(Progress::Repeated(&noise));
+    }
+    match least {
+        Noise::TooMuch(why) if !accept_noise => return Err(PredictError::Noisy(why)),
+        Noise::TooMuch(why) | Noise::Doubtful(why) => {
+            progress(Progress::Doubtful(&why));
+            kept.machine.calibration.iter_mut().for_each(|c| c.doubt = Some(why.clone()));
+        }
+        Noise::Little => {}
+    }
+    Ok(kept)
+}
+
+/// How much other programs, or other guests of the host, have disturbed a measurement.
+#[derive(Clone, Debug, PartialEq)]
+enum Noise {
+    /// As usual.
+    Little,
+    /// So much that predictions may miss; the reason.
+    Doubtful(String),
+    /// So much that it is no property of the machine; the reason.
+    TooMuch(String),
+}
+
+impl Noise {
+    fn level(&self) -> u8 {
+        match self {
+            Self::Little => 0,
+            Self::Doubtful(_) => 1,
+            Self::TooMuch(_) => 2,
+        }
     }
 }
 
-/// The largest median spread of the rounds, root mean square of the residuals, and serial share of a measurement that
-/// is not too noisy.
-const MOST_SPREAD: f64 = 0.25;
-const MOST_RESIDUAL: f64 = 0.4;
-const MOST_SERIAL: f64 = 0.5;
+/// The largest median spread of the rounds, root mean square of the residuals, and serial share that are not doubtful, and that are
+/// not too noisy. Quiet calibrations of virtual machines with two processors had spreads of 5 to 7 %, residuals of 11 to 14 % and serial
+/// shares of 2 to 12 %, disturbed ones serial shares of 19 and 23 %, with which rows of docs/laboratory/prediction.md missed: so what is
+/// above 15 % is doubtful, and residuals above 20 %, the largest error that a prediction may have there. Beyond the second numbers
+/// two threads gain less than a third, and an interval of twice the residual reaches to five times the prediction.
+const MOST_SPREAD: [f64; 2] = [0.15, 0.25];
+const MOST_RESIDUAL: [f64; 2] = [0.2, 0.4];
+const MOST_SERIAL: [f64; 2] = [0.15, 0.5];
 
-/// Why a measurement is too noisy, if it is.
-fn noise(machine: &Machine) -> Option<String> {
-    let c = machine.calibration.as_ref()?;
+/// How noisy a measurement is.
+fn noise(machine: &Machine) -> Noise {
+    let Some(c) = &machine.calibration else { return Noise::Little };
     let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
     let values = [
         ("the rounds spread by", c.spread.value, MOST_SPREAD),
         ("the costs miss the frames by", c.residual.value, MOST_RESIDUAL),
         ("the serial share is", serial, MOST_SERIAL),
     ];
-    // A number that is none is too large, too.
-    let too_large =
-        values.into_iter().filter(|(_, value, most)| value.partial_cmp(most).is_none_or(Ordering::is_gt));
-    let words: Vec<_> = too_large
-        .map(|(what, value, most)| format!("{what} {:.1} %, more than {:.0} %", value * 100.0, most * 100.0))
-        .collect();
-    (!words.is_empty()).then(|| words.join("; "))
+    // What is larger than the limits of a level, in words. A number that is none is too large, too.
+    let above = |level: usize| {
+        let is_above = |value: f64, most: f64| value.partial_cmp(&most).is_none_or(Ordering::is_gt);
+        let words = |(what, value, most): (&str, f64, [f64; 2])| {
+            let [value_in_percent, most_in_percent] = [value, most[level]].map(|share| share * 100.0);
+            let text = format!("{what} {value_in_percent:.1} %, more than {most_in_percent:.0} %");
+            is_above(value, most[level]).then_some(text)
+        };
+        let words: Vec<_> = values.into_iter().filter_map(words).collect();
+        (!words.is_empty()).then(|| words.join("; "))
+    };
+    match (above(1), above(0)) {
+        (Some(why), _) => Noise::TooMuch(why),
+        (None, Some(why)) => Noise::Doubtful(why),
+        (None, None) => Noise::Little,
+    }
 }
 
 /// The measurement of the costs: day, processor, version, residuals and spread.
@@ -201,6 +259,7 @@ fn quality(samples: &[Sample]) -> machines::Calibration {
         residual: share(of_all),
         worst_residual: share(worst),
         spread: share(spread),
+        doubt: None,
     }
 }
 
@@ -456,7 +515,7 @@ mod tests {
         let samples = [(1000, 1e-3), (2000, 2.2e-3), (3000, 3e-3)];
         let samples = samples.map(|(n, seconds)| sample(n, seconds, seconds * 1.1, seconds / 2.0)).to_vec();
         let calibration = fitted(empty(), samples, 2);
-        assert_eq!(noise(&calibration.machine), None);
+        assert_eq!(noise(&calibration.machine), Noise::Little);
         let text = calibration.machine.to_toml().unwrap();
         let again = parse("this.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}")).calibration.unwrap();
         assert_eq!((again.frames.whole(), again.spread.text.as_str()), (3, "10.00 %"));
@@ -470,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn noisy_measurements_are_refused_with_the_reason() {
+    fn noisy_measurements_are_doubtful_or_refused_with_the_reason() {
         let empty = || Machine { costs: BTreeMap::new(), ..machine() };
         let of_all = |samples: Vec<Sample>| noise(&fitted(empty(), samples, 2).machine);
         // Frames of 1, 2 and 4 ms, with the slowest round and all threads together in proportion.
@@ -478,14 +537,75 @@ mod tests {
             let of = |n: u64| sample(1000 * n, 1e-3 * n as f64, slowest * n as f64, together * n as f64);
             of_all([1, 2, 4].map(of).to_vec())
         };
-        assert_eq!(scaled(1.1e-3, 0.55e-3), None);
+        assert_eq!(scaled(1.1e-3, 0.55e-3), Noise::Little);
+        let too_noisy = |noise: Noise| match noise {
+            Noise::TooMuch(why) => why,
+            other => panic!("{other:?}"),
+        };
         // All threads together as slow as one: a serial share of 100 % is no property of a machine.
-        let busy = scaled(1e-3, 1e-3).expect("too noisy");
+        let busy = too_noisy(scaled(1e-3, 1e-3));
         assert!(busy.contains("the serial share is 100.0 %, more than 50 %"), "{busy}");
-        let spread = scaled(2e-3, 0.5e-3).expect("too noisy");
+        let spread = too_noisy(scaled(2e-3, 0.5e-3));
         assert!(spread.contains("the rounds spread by 100.0 %, more than 25 %"), "{spread}");
         let fit = vec![sample(1000, 1e-3, 1e-3, 0.5e-3), sample(1000, 1e-2, 1e-2, 0.5e-2)];
-        assert!(of_all(fit).expect("too noisy").contains("the costs miss the frames by"));
+        assert!(too_noisy(of_all(fit)).contains("the costs miss the frames by"));
+        // Between the two limits a measurement is kept, and doubtful.
+        let doubtful = |noise: Noise| match noise {
+            Noise::Doubtful(why) => why,
+            other => panic!("{other:?}"),
+        };
+        let serial = doubtful(scaled(1e-3, 0.65e-3));
+        assert!(serial.contains("the serial share is") && serial.contains("more than 15 %"), "{serial}");
+        let spread = doubtful(scaled(1.2e-3, 0.5e-3));
+        assert_eq!(spread, "the rounds spread by 20.0 %, more than 15 %");
+        let fit = vec![sample(1000, 1e-3, 1e-3, 0.5e-3), sample(1000, 1.7e-3, 1.7e-3, 0.85e-3)];
+        assert!(doubtful(of_all(fit)).contains("the costs miss the frames by"));
+    }
+
+    /// What is kept is the first of the least noise; it is said, in the file, too, or refused.
+    #[test]
+    fn doubtful_measurements_are_repeated_and_say_so() {
+        let of_serial = |serial: f64| {
+            let samples =
+                [1.0, 2.0, 4.0].map(|n: f64| sample(1000 * n as u64, 1e-3 * n, 1e-3 * n, 0.5e-3 * n));
+            let mut calibration =
+                fitted(Machine { costs: BTreeMap::new(), ..machine() }, samples.to_vec(), 2);
+            let text = format!("{:.0} %", serial * 100.0);
+            calibration.machine.processors.serial = Some(Sourced::new(serial, text, "x".into()));
+            calibration
+        };
+        // The serial shares that are measured, one after another; that which is kept, with its doubt, and what was reported.
+        let run = |shares: &[f64], accept_noise: bool| {
+            let (mut next, mut repeats, mut doubts) = (shares.iter(), 0, 0);
+            let mut progress = |what: Progress<'_>| match what {
+                Progress::Repeated(_) => repeats += 1,
+                Progress::Doubtful(_) => doubts += 1,
+                Progress::Next(_) => {}
+            };
+            let kept =
+                least_noisy(accept_noise, &mut progress, |_| Ok(of_serial(*next.next().expect("no more"))));
+            let kept = kept
+                .map(|c| (c.machine.processors.serial.unwrap().value, c.machine.calibration.unwrap().doubt));
+            assert_eq!(next.len(), 0, "all are measured");
+            (kept.map_err(|e| e.to_string()), repeats, doubts)
+        };
+        assert_eq!(run(&[0.1], false), (Ok((0.1, None)), 0, 0));
+        assert_eq!(run(&[0.2, 0.1], false), (Ok((0.1, None)), 1, 0));
+        let doubt = |percent: &str| Some(format!("the serial share is {percent} %, more than 15 %"));
+        assert_eq!(run(&[0.2, 0.3, 0.6], false), (Ok((0.2, doubt("20.0"))), 2, 1));
+        assert_eq!(run(&[0.6, 0.3, 0.4], false), (Ok((0.3, doubt("30.0"))), 2, 1));
+        let (refused, ..) = run(&[0.6, 0.7, 0.8], false);
+        assert!(refused.unwrap_err().contains("the serial share is 60.0 %, more than 50 %"));
+        let (accepted, _, doubts) = run(&[0.6, 0.7, 0.8], true);
+        assert_eq!(
+            (accepted.unwrap().1.unwrap(), doubts),
+            ("the serial share is 60.0 %, more than 50 %".into(), 1)
+        );
+        // The file says so, and is read again.
+        let mut calibration = of_serial(0.2).machine;
+        calibration.calibration.as_mut().unwrap().doubt = doubt("20.0");
+        let again = parse("this.toml", &calibration.to_toml().unwrap()).unwrap();
+        assert_eq!(again.calibration.unwrap().doubt, doubt("20.0"));
     }
 
     #[test]

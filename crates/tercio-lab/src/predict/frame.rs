@@ -181,7 +181,6 @@ impl FrameTime {
         let missed = missed_lines(c.bytes_touched, Caches::of(machine, threads).shared) * LINE;
         let bandwidth = machine.processors.memory_bandwidth.as_ref().map_or(f64::INFINITY, |b| b.value);
         let alone = one.total();
-        let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
         let time = Self {
             front_end: one.front_end * front,
             geometry: one.geometry * back,
@@ -193,13 +192,24 @@ impl FrameTime {
             imbalance: busiest * threads as f64,
         };
         let gain = (alone - time.total()).max(0.0);
-        Self { waking: (wake_up * (1.0 - 1.0 / threads as f64)).min(gain), ..time }
+        Self { waking: waking(machine, threads).min(gain), ..time }
+    }
+
+    /// Without the time in which threads wake up: what grows with the work.
+    pub fn awake(&self) -> f64 {
+        self.total() - self.waking
     }
 
     /// The whole frame.
     pub fn total(&self) -> f64 {
         self.front_end + self.geometry + self.raster + self.shading + self.memory + self.picture + self.waking
     }
+}
+
+/// The seconds that a frame of so many threads takes longer because the others have to wake up, if it is long enough.
+pub fn waking(machine: &Machine, threads: usize) -> f64 {
+    let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
+    wake_up * (1.0 - 1.0 / threads.max(1) as f64)
 }
 
 /// The busiest thread's share of the work on the tiles: a free thread takes the next tile, and tiles that all draw

@@ -57,7 +57,7 @@ impl Advise {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         self.picture.ready(&self.machine)?;
-        let machine = self.machine.machine()?;
+        let machine = self.machine.machine(self.running.quiet)?;
         let processors = self.processors.unwrap_or(machine.processors.count.whole() as usize);
         machine.may_have(processors)?;
         let pool = self.running.pool()?;

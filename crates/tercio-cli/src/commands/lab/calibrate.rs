@@ -25,7 +25,9 @@ use crate::{messages, mpi, threads};
 Costs are fitted to frames of built-in models on one thread, whole ones and ones that end at earlier stages; the
 serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
 three of them. Residuals of the fit, spread of the rounds, day, processor and version are in the section calibration.
-A measurement that is too noisy is repeated, and refused if that does not help. Messages are sent back and forth: half
+A measurement that is doubtful (rounds that spread by more than 15 %, residuals above 20 %, a serial share above 15 %)
+is repeated twice; if that does not help, it is kept with a warning, which is in the file, too (calibration.doubt), or
+refused above 25 %, 40 % and 50 %. Messages are sent back and forth: half
 the median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
 one process are the section network. mpirun with two processes or more measures the section mpi first, between ranks
 0 and 1; then all ranks except 0, which writes, end. mpirun may bind a process to one processor: with --bind-to none
@@ -51,7 +53,7 @@ pub struct Calibrate {
     /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
-    /// Writes the description even if the measurement is too noisy; its section calibration says how noisy.
+    /// Writes the description even if the measurement is too noisy; its section calibration says how noisy and why.
     #[arg(long)]
     accept_noise: bool,
     #[command(flatten)]
@@ -116,6 +118,11 @@ impl Calibrate {
             Progress::Next(what) if self.running.verbose => messages::note(what),
             Progress::Repeated(why) if !self.running.quiet => {
                 messages::warning(&format!("the machine is busy, so it is measured again: {why}"));
+            }
+            Progress::Doubtful(why) if !self.running.quiet => {
+                messages::warning(&format!(
+                    "the measurement is doubtful, as calibration.doubt in the file says: {why}"
+                ));
             }
             _ => {}
         };

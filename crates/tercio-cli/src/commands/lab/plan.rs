@@ -18,6 +18,7 @@ use tercio_lab::workloads::BoxScene;
 use crate::args::drawing::SortingName;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
 use crate::ending;
+use crate::messages;
 use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
@@ -58,6 +59,21 @@ pub struct MachineArgs {
     mpi: bool,
 }
 
+/// A machine by its name, or from a file. Unless `quiet`, it is a warning if its measurement was doubtful.
+///
+/// # Errors
+/// It does not exist, or its description has mistakes.
+pub fn machine(name_or_file: &str, quiet: bool) -> Result<Machine> {
+    let machine = load(name_or_file)?;
+    let doubt = machine.calibration.as_ref().and_then(|calibration| calibration.doubt.as_ref());
+    if let Some(why) = doubt.filter(|_| !quiet) {
+        messages::warning(&format!(
+            "{name_or_file}: its measurement is doubtful, predictions may be, too: {why}"
+        ));
+    }
+    Ok(machine)
+}
+
 /// Shapes of networks.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum NetworkName {
@@ -78,8 +94,8 @@ impl MachineArgs {
     ///
     /// # Errors
     /// It does not exist, its description has mistakes, or it lacks the section mpi where that was requested.
-    pub fn machine(&self) -> Result<Machine> {
-        let machine = load(&self.machine)?;
+    pub fn machine(&self, quiet: bool) -> Result<Machine> {
+        let machine = machine(&self.machine, quiet)?;
         Ok(if self.mpi { machine.over_mpi()? } else { machine })
     }
 

@@ -86,7 +86,7 @@ impl Predict {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         self.picture.ready(&self.machine)?;
-        let machine = self.machine.machine()?;
+        let machine = self.machine.machine(self.running.quiet)?;
         need_costs(&machine)?;
         let on_threads = self.organisation == OrganisationName::Threads;
         let count = machine.processors.count.whole();

@@ -63,7 +63,8 @@ impl Reproduce {
             report::write(&outcomes, &published::check_all()?, directory)?;
         }
         if !self.running.quiet {
-            write_text(&Destination::Stdout, &outcomes.iter().map(line).collect::<String>())?;
+            let lines: String = outcomes.iter().map(line).collect();
+            write_text(&Destination::Stdout, &format!("{lines}\n{}\n", experiments::summary(&outcomes)))?;
         }
         Ok(ExitCode::from(u8::from(outcomes.iter().any(|o| o.findings.is_err()))))
     }

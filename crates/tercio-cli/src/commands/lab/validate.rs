@@ -10,7 +10,6 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::image::Destination;
 use tercio::parallel::{Communicator as _, Organisation};
-use tercio_lab::machines::load;
 use tercio_lab::predict::quoted::{self, ThreadsRow};
 use tercio_lab::predict::validate::{Model, Options, Row, compare};
 use tercio_lab::predict::validate_advice::{self as advice, MODELS};
@@ -18,7 +17,7 @@ use tercio_lab::predict::validate_ranks as ranks;
 
 use super::calibrate::ClockName;
 use super::measured::Measured;
-use super::plan::load_scene;
+use super::plan::{load_scene, machine};
 use super::validate_advice;
 use super::validate_ranks::{self, Who};
 use crate::args::drawing::SortingName;
@@ -157,7 +156,7 @@ impl Validate {
             &self.models
         };
         self.files().check()?;
-        let machine = load(&self.machine)?;
+        let machine = machine(&self.machine, self.running.quiet)?;
         let views = format!(" --views {}", self.views);
         let command = self.command().replacen("validate ", "validate --advice ", 1);
         let command = command.replace(&views, "").replace("  ", " ");
@@ -176,7 +175,7 @@ impl Validate {
 
     /// Compares threads; returns whether all rows hold.
     fn threads(&self, pool: &ThreadPool) -> Result<bool> {
-        let machine = load(&self.machine)?;
+        let machine = machine(&self.machine, self.running.quiet)?;
         let output = self.measured(None, &machine.summary)?;
         let models = self.load_models(pool, self.running.progress_mode())?;
         let display = Display::new(self.running.progress_mode());
@@ -201,7 +200,7 @@ impl Validate {
 
     /// Compares ranks of this process.
     fn ranks(&self, pool: &ThreadPool) -> Result<bool> {
-        let machine = load(&self.machine)?;
+        let machine = machine(&self.machine, self.running.quiet)?;
         let output = self.measured(None, &machine.summary)?;
         let models = self.load_models(pool, self.running.progress_mode())?;
         let how = self.how(&self.ranks);
@@ -219,7 +218,7 @@ impl Validate {
     /// draw.
     fn processes(&self, pool: &ThreadPool, comm: &mut mpi::Comm) -> Result<bool> {
         let reports = comm.rank() == 0;
-        let machine = load(&self.machine)?.over_mpi()?;
+        let machine = machine(&self.machine, self.running.quiet || !reports)?.over_mpi()?;
         let mode = if reports { self.running.progress_mode() } else { ProgressMode::Never };
         let processors = validate_ranks::processors(comm, pool.current_num_threads())?;
         let how = self.how(&[comm.size()]);

@@ -67,7 +67,7 @@ impl<'a> Job<'a> {
 
     fn stage<'r>(&self, rates: &'r Rates) -> Stage<'r> {
         let (ranks, threads) = (self.ranks as f64, self.threads as f64);
-        Stage { rates, wires: self.wires, share: 1.0 / threads, processors: ranks * threads }
+        Stage { rates, wires: self.wires, share: 1.0 / threads, processors: ranks * threads, waking: 0.0 }
     }
 
     /// Seconds of compositing.

@@ -14,6 +14,7 @@ use self::html::Html;
 use self::markdown::Markdown;
 use super::files::{self, WriteError};
 use super::{Document, Outcome, Table};
+use crate::experiments;
 use crate::machines::{self, Machine, NAMES};
 use crate::predict::quoted::{self, Quoted, QuotedRow};
 use crate::published::{Agreement, Check, summary};
@@ -161,6 +162,10 @@ const INTRODUCTION: &str = "Every figure and table of the five documents that fo
     reproduced: data, plot, and result of the comparison; and scalings that others published, predicted. \
     Lost scenes are replaced by our own, and marked so.";
 
+const CLASSES: &str = "Reproduced: something other than the document's own formula gives the printed numbers. Restated: the document's own \
+    formula does, which shows that it is read as it was meant. By construction: an input was chosen so that they come out. Qualitative: \
+    only the shape can be compared, or an input is not stated. No verdict: what is published does not determine whether ours is right.";
+
 /// The report as one page of Markdown.
 fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {
     let mut to = Markdown::default();
@@ -186,6 +191,8 @@ fn overview(outcomes: &[Outcome], checks: &[Check], link: &dyn Fn(&Outcome) -> S
         vec![Text::from(place), link, Text::from(verdict(o).to_owned())]
     };
     to.table(&["place", "experiment", "verdict"], &outcomes.iter().map(row).collect::<Vec<_>>());
+    to.paragraph(&experiments::summary(outcomes));
+    to.paragraph(CLASSES);
     let of = |(class, count): (Agreement, usize)| format!("{count} {}", class.text());
     let classes: Vec<_> = summary(checks).into_iter().map(of).collect();
     to.paragraph(&format!("Of {} numbers of the documents: {}.", checks.len(), classes.join(", ")));

@@ -37,13 +37,14 @@ fn end(machine: &Machine, of: &Assumptions, slow: i32) -> End {
     [&mut machine.network, &mut machine.node, &mut machine.mpi].into_iter().flatten().for_each(of_messages);
     let p = &mut machine.processors;
     p.memory_bandwidth.iter_mut().for_each(|b| b.value /= factor(&of.memory_bandwidth));
+    p.wake_up.iter_mut().for_each(|time| time.value *= factor(&of.wake_up));
     if slow > 0 {
         p.serial = of.serial.clone().or(p.serial.take());
     }
     End { machine, costs }
 }
 
-/// A frame of threads of one process, and its seconds at both ends.
+/// A frame of threads of one process, and the same at both ends.
 ///
 /// # Errors
 /// [`PredictError`]: costs are missing, no memory is shared by so many processors, or the picture cannot be drawn.
@@ -53,13 +54,13 @@ pub fn on_threads(
     picture: &Picture,
     region: Option<u32>,
     threads: usize,
-) -> Result<(FrameTime, Option<[f64; 2]>), PredictError> {
+) -> Result<(FrameTime, Option<[FrameTime; 2]>), PredictError> {
     need_costs(machine)?;
     machine.may_share_memory(threads)?;
     let settings = Settings { tile_size: region.or(picture.settings.tile_size), ..picture.settings.clone() };
     let counted = count(picture.scene, picture.camera, &settings, threads)?;
     let frame = |machine: &Machine| FrameTime::on_threads(machine, &counted, threads);
-    let at_ends = ends.map(|[fast, slow]| [fast, slow].map(|end| frame(&end.machine).total()));
+    let at_ends = ends.map(|[fast, slow]| [fast, slow].map(|end| frame(&end.machine)));
     Ok((frame(machine), at_ends))
 }
 
@@ -78,6 +79,8 @@ mod tests {
         machine.uncertainty = None;
         assert_eq!(ends(&machine), None);
         machine.processors.memory_bandwidth = Some(Sourced::new(1e9, "1 GB/s".into(), String::new()));
+        machine.mpi = machine.network.clone();
+        let wake_up = machine.processors.wake_up.as_ref().unwrap().value;
         machine.uncertainty = Some(Assumptions {
             costs_of: None,
             residual: None,
@@ -85,6 +88,7 @@ mod tests {
             memory_bandwidth: off(0.25),
             network_bandwidth: off(3.0),
             message: off(0.5),
+            wake_up: off(2.0),
             serial: off(0.1),
         });
         let [fast, slow] = ends(&machine).unwrap();
@@ -94,7 +98,14 @@ mod tests {
         assert_eq!([fast.costs, slow.costs], [0.5, 2.0]);
         let memory = |m: &Machine| m.processors.memory_bandwidth.as_ref().unwrap().value;
         assert_eq!([memory(&fast.machine), memory(&slow.machine)], [1.25e9, 0.8e9]);
-        for of in [|m: &Machine| m.network.clone().unwrap(), |m: &Machine| m.node.clone().unwrap()] {
+        let wake_up = |m: &Machine| m.processors.wake_up.as_ref().unwrap().value / wake_up;
+        assert!(
+            (wake_up(&fast.machine) - 1.0 / 3.0).abs() < 1e-12
+                && (wake_up(&slow.machine) - 3.0).abs() < 1e-12
+        );
+        let networks: [fn(&Machine) -> Option<Network>; 3] =
+            [|m| m.network.clone(), |m| m.node.clone(), |m| m.mpi.clone()];
+        for of in networks.map(|network| move |m: &Machine| network(m).unwrap()) {
             let (ours, fast, slow) = (of(&machine), of(&fast.machine), of(&slow.machine));
             assert_eq!(
                 [fast.bandwidth.value, slow.bandwidth.value],

@@ -148,9 +148,9 @@ impl Advice {
             ),
         };
         format!(
-            "not compared are other tiles of ranks than the renderer chooses, except for the best if its ranks are counted: the formulas do \
-             not know what small tiles cost; of more than {EVERY} processors other numbers than powers of two, the middles between them and \
-             whole nodes{of_splits}; --parts: whole models are \
+            "not compared are other tiles of ranks than the renderer chooses, except for the best if its ranks are counted: the formulas \
+             do not know what small tiles cost; of more than {EVERY} processors other numbers than powers of two, the middles between them \
+             and whole nodes{of_splits}; --parts: whole models are \
              counted; --sorting, which is as requested; --simd, --binning and --no-cluster-culling, which serve comparisons"
         )
     }

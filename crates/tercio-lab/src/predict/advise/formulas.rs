@@ -2,7 +2,8 @@
 //!
 //! Some of their costs are constants, fitted on the laboratory's machine: they are scaled by how much slower the machine draws the
 //! picture. The costs of drawing are then scaled again, so that one rank of one thread takes as long as counting its work says; and
-//! several threads of a rank are as fast as those of one process, again counted. So ranks and threads are comparable.
+//! several threads of a rank are as fast as those of one process, again counted, and have to wake up like those. So ranks and threads
+//! are comparable.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,13 +22,13 @@ use crate::predict::choose::sights::Sights;
 use crate::predict::choose::terms::Stage;
 use crate::predict::choose::wires::{Wire, Wires};
 use crate::predict::counts::count;
-use crate::predict::frame::FrameTime;
+use crate::predict::frame::{FrameTime, waking};
 use crate::predict::ranks::Picture;
 
 /// One thread, that has messages with nobody.
 pub(super) fn alone(rates: &Rates) -> Stage<'_> {
     let between = Wire { latency: 0.0, busy: 0.0, bandwidth: f64::INFINITY };
-    Stage { rates, wires: Wires { between, inside: None }, share: 1.0, processors: 1.0 }
+    Stage { rates, wires: Wires { between, inside: None }, share: 1.0, processors: 1.0, waking: 0.0 }
 }
 
 /// The costs of a picture on a machine.
@@ -63,11 +64,11 @@ pub fn ranks(
 ) -> Result<Vec<Candidate>, PredictError> {
     let rates = rates(machine, picture)?;
     let of_ends = ends::ends(machine);
-    // Of the machine, and at both ends of what is assumed of it.
+    // Of the machine, and at both ends of what is assumed of it; waking up is charged apart, because it does not grow with the work.
     let seconds = |threads: usize| -> Result<[f64; 3], PredictError> {
         let (time, at_ends) = ends::on_threads(machine, of_ends.as_ref(), picture, None, threads)?;
-        let [fast, slow] = at_ends.unwrap_or([time.total(); 2]);
-        Ok([time.total(), fast, slow])
+        let [fast, slow] = at_ends.unwrap_or([time; 2]);
+        Ok([time, fast, slow].map(|time| time.awake()))
     };
     let one = seconds(1)?;
     let mut shares = BTreeMap::new();
@@ -85,15 +86,17 @@ pub fn ranks(
             let wires = Wires::of(machine, topology, ranks, split.threads)?;
             let processors = processors.unwrap_or(split.processors()) as f64;
             let shares = &shares[&split.threads];
-            let stage = |wires, share| Stage { rates: &rates, wires, share, processors };
+            let stage = |wires, share, waking| Stage { rates: &rates, wires, share, processors, waking };
             let mut at_ends = Vec::new();
             for (end, &share) in of_ends.iter().flatten().zip(&shares[1..]) {
                 // All costs are so many times as high: then that is the unit of time, in which only messages differ.
                 let wires = Wires::of(&end.machine, topology, ranks, split.threads)?.in_units_of(end.costs);
-                let predicted = sights.predict(&sharings, &stage(wires, share))?;
+                let waking = waking(&end.machine, split.threads) / end.costs;
+                let predicted = sights.predict(&sharings, &stage(wires, share, waking))?;
                 at_ends.push(predicted.iter().map(|p| p.terms.total() * end.costs).collect::<Vec<_>>());
             }
-            let predicted = sights.predict(&sharings, &stage(wires, shares[0]))?;
+            let waking = waking(machine, split.threads);
+            let predicted = sights.predict(&sharings, &stage(wires, shares[0], waking))?;
             found.extend(predicted.into_iter().enumerate().map(|(k, p)| {
                 let frame = Frame::Formulas { terms: p.terms, sent: p.sent };
                 let assumed = if let [fast, slow] = &at_ends[..] { Some([fast[k], slow[k]]) } else { None };

@@ -176,6 +176,7 @@ fn one_process(
         for region in TILE_EDGES {
             let (time, assumed) =
                 ends::on_threads(machine, of_ends.as_ref(), picture, Some(region), threads)?;
+            let assumed = assumed.map(|ends| ends.map(|time| time.total()));
             let (split, how) = (Split { ranks: 1, threads }, How::OneProcess { region });
             candidates.push(Candidate { split, how, frame: Frame::Threads(time), assumed });
         }

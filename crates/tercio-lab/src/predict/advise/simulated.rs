@@ -68,8 +68,8 @@ pub fn explanation(frames: &[SimulatedFrame]) -> Vec<String> {
 fn why_simulated(best: &SimulatedFrame) -> String {
     let (name, seconds) = longest(&best.phases());
     format!(
-        "{} is fastest of the classes simulated, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry and \
-         {:.2} in rasterization",
+        "{} is fastest of the classes simulated, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry \
+         and {:.2} in rasterization",
         describe(&best.plan),
         milliseconds(best.total()),
         milliseconds(seconds),

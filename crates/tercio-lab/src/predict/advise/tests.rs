@@ -94,7 +94,36 @@ fn all_that_the_renderer_can_do_is_searched() {
     assert!(has(RendererOrganisation::SortTwice { group: 2 }, Composition::Tree));
     assert!(has(RendererOrganisation::SortLast, Composition::BinarySwap));
     assert!(has(RendererOrganisation::SortTwice { group: 3 }, Composition::Ring));
-    assert!(has(RendererOrganisation::SortLast, Composition::TwoThreeSwap));
+    // Of two and four ranks that is binary swap, of three direct send.
+    assert!(!has(RendererOrganisation::SortLast, Composition::TwoThreeSwap));
+}
+
+/// The page quotes how many candidates there are, without the other tiles of the best ranks.
+#[test]
+fn the_page_has_the_numbers_of_candidates() {
+    let number = |machine: &str, processors: usize| {
+        let machine = builtin(machine).unwrap().unwrap();
+        let all = crate::predict::choose::candidates::Limits::ALL;
+        let of = |split: &Split| all.candidates(split.ranks).unwrap().len();
+        let of_ranks: usize = splits::of_ranks(&machine, processors).iter().map(of).sum();
+        of_ranks + splits::threads(&machine, processors).len() * TILE_EDGES.len()
+    };
+    // As few as are really predicted.
+    let four = advice("server-128", "builtin:gyroid@5k", 4, None).candidates;
+    let tiles = |c: &&Candidate| matches!(c.how, How::Ranks { region: Some(_), .. });
+    assert_eq!(four.len() - four.iter().filter(tiles).count(), number("server-128", 4));
+    let words = |number: usize| match (number / 1000, number % 1000) {
+        (0, rest) => rest.to_string(),
+        (thousands, rest) => format!("{thousands},{rest:03}"),
+    };
+    let [server, few, cluster] =
+        [("server-128", 128), ("server-128", 16), ("cluster-64", 8192)].map(|(m, n)| words(number(m, n)));
+    let sentence = format!(
+        "{server} for `server-128`, {few} with `--processors 16`, {cluster} for the 8,192 processors of `cluster-64`"
+    );
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory/advice.md");
+    let page = std::fs::read_to_string(page).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(page.contains(&sentence), "{sentence}");
 }
 
 #[test]
@@ -273,7 +302,8 @@ fn frames_are_homogeneous_in_what_is_assumed() {
         costs: off.clone(),
         memory_bandwidth: off.clone(),
         network_bandwidth: off.clone(),
-        message: off,
+        message: off.clone(),
+        wake_up: off,
         ..Default::default()
     });
     let splits =
@@ -284,6 +314,30 @@ fn frames_are_homogeneous_in_what_is_assumed() {
         let ([fast, slow], seconds) = (c.assumed.unwrap(), c.frame.total());
         assert!((2.0 * fast / seconds - 1.0).abs() < 1e-6, "{} {fast} {seconds}", c.describe());
         assert!((slow / seconds / 2.0 - 1.0).abs() < 1e-6, "{} {slow} {seconds}", c.describe());
+    }
+}
+
+/// Waking up takes as long whatever the work is: it is no part of the share of a thread, and every rank waits for it once.
+#[test]
+fn ranks_wait_once_until_their_threads_have_woken_up() {
+    let (scene, camera, settings) = made("builtin:gyroid@20k", (320, 240));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let mut machine = builtin("server-128").unwrap().unwrap();
+    machine.uncertainty = None;
+    let splits =
+        [Split { ranks: 2, threads: 1 }, Split { ranks: 2, threads: 4 }, Split { ranks: 8, threads: 4 }];
+    let mut with = |wake_up: f64| {
+        machine.processors.wake_up =
+            Some(crate::machines::Sourced::new(wake_up, String::new(), String::new()));
+        formulas::ranks(&machine, &picture, None, &splits, None).unwrap()
+    };
+    let (none, some, long) = (with(0.0), with(4e-6), with(1.0));
+    for ((none, some), long) in none.iter().zip(&some).zip(&long) {
+        let [none_s, some_s, long_s] = [none, some, long].map(|c| c.frame.total());
+        let expected = if none.split.threads == 1 { 0.0 } else { 3e-6 };
+        assert!((some_s - none_s - expected).abs() < 1e-12, "{} {none_s} {some_s}", none.describe());
+        // A frame that is shorter is one thread's, not a second's.
+        assert!(long_s >= some_s && long_s < 0.1, "{} {long_s}", none.describe());
     }
 }
 

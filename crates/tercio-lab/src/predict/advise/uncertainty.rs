@@ -98,6 +98,7 @@ mod tests {
             residual: share(residual),
             worst_residual: share(0.5),
             spread: share(0.3),
+            doubt: None,
         }
     }
 
@@ -132,7 +133,8 @@ mod tests {
         );
     }
 
-    /// A machine has the residuals of that whose costs it has, as soon as that one has any, and otherwise those assumed; its own come first.
+    /// A machine has the residuals of that whose costs it has, as soon as that one has any, and otherwise those assumed; its
+    /// own come first.
     #[test]
     fn borrowed_costs_have_the_residuals_of_their_machine() {
         for name in ["server-128", "cluster-64"] {

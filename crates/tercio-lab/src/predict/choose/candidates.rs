@@ -2,7 +2,7 @@
 
 use tercio_parallel::{Composition, Division, Organisation, Sharing};
 
-use super::compose::sizes;
+use super::compose::{even_groups, sizes};
 
 /// Above this many ranks fewer candidates are compared, so that choosing does not take longer than it gains.
 pub const MANY: usize = 64;
@@ -17,7 +17,7 @@ pub struct Limits {
     /// How pictures are composited: only sort-last and sort-twice.
     pub composition: Option<Composition>,
     /// Compares what is seldom the fastest, too, for who has the time: all divisions and, of few ranks, groups of any size and any
-    /// radix; 2-3 swap, which is binary swap for powers of two; the serial ring, which has the work of a tree in more rounds.
+    /// radix; 2-3 swap where it is not another strategy; the serial ring, which has the work of a tree in more rounds.
     pub all: bool,
 }
 
@@ -117,13 +117,17 @@ impl Limits {
         if ranks > 1 {
             all.push(Composition::Tree);
         }
+        let radices = radices(ranks, self.all);
         if ranks > 2 {
             all.push(Composition::BinarySwap);
-            if self.all {
+            let known = |groups: Vec<usize>| {
+                is_usual(&groups) || radices.iter().any(|&radix| sizes(ranks, radix) == groups)
+            };
+            if self.all && !even_groups(ranks).is_some_and(known) {
                 all.push(Composition::TwoThreeSwap);
             }
         }
-        all.extend(radices(ranks, self.all).into_iter().map(Composition::RadixK));
+        all.extend(radices.into_iter().map(Composition::RadixK));
         if self.all && ranks > 2 {
             all.push(Composition::Ring);
         }
@@ -131,22 +135,23 @@ impl Limits {
     }
 }
 
-/// Radices: 4 and 8, unless that is direct send; of few ranks `all` whose rounds differ from these, direct send and binary swap.
+/// Radices: 4 and 8; of few ranks `all`. Of those whose rounds have groups of the same sizes one, and none whose rounds are those of direct
+/// send or binary swap.
 fn radices(ranks: usize, all: bool) -> Vec<u32> {
-    let usual: Vec<u32> = [4, 8].into_iter().filter(|&radix| ranks > radix as usize).collect();
-    if !all || ranks > FEW {
-        return usual;
-    }
-    let mut found: Vec<(u32, Vec<usize>)> =
-        usual.into_iter().map(|radix| (radix, sizes(ranks, radix))).collect();
-    for radix in 2..ranks as u32 {
+    let more = if all && ranks <= FEW { 2..ranks as u32 } else { 0..0 };
+    let mut found: Vec<(u32, Vec<usize>)> = Vec::new();
+    for radix in [4, 8].into_iter().chain(more) {
         let rounds = sizes(ranks, radix);
-        let is_other = rounds.len() > 1 && rounds.iter().any(|&size| size != 2);
-        if is_other && found.iter().all(|(_, known)| *known != rounds) {
+        if !is_usual(&rounds) && found.iter().all(|(_, known)| *known != rounds) {
             found.push((radix, rounds));
         }
     }
     found.into_iter().map(|(radix, _)| radix).collect()
+}
+
+/// Whether rounds with groups of these sizes are direct send or binary swap.
+fn is_usual(groups: &[usize]) -> bool {
+    groups.len() < 2 || groups.iter().all(|&size| size == 2)
 }
 
 /// Up to so many ranks groups of all divisors of their number are compared, too, or of all sizes.
@@ -232,6 +237,13 @@ mod tests {
                 places.iter().map(|&p| c.rounds(&shared, p).iter().map(messages).collect()).collect()
             };
             let known: Vec<Composition> = Limits::ALL.compositions(ranks);
+            for (number, one) in known.iter().enumerate() {
+                let same = known[..number].iter().find(|&&other| rounds(other) == rounds(*one));
+                assert_eq!(same, None, "{ranks}: {one} has the same rounds");
+            }
+            // Of these the rounds of 2-3 swap are those of another strategy.
+            let other = ![1, 2, 3, 4, 6, 8, 12, 16].contains(&ranks);
+            assert_eq!(known.contains(&TwoThreeSwap), other, "{ranks}");
             // Which of the candidates' compositions has the rounds of one that can be named.
             let stands_for: Vec<(Composition, Composition)> = compositions
                 .clone()
@@ -245,6 +257,29 @@ mod tests {
                 assert!(all.contains(&Sharing { composition: like, ..*one }), "{ranks}: {one:?}");
             }
         }
+    }
+
+    /// Radix-4 and radix-8 of 25 ranks are two rounds of groups of five, and of 17 direct send.
+    #[test]
+    fn no_two_radices_have_the_same_rounds() {
+        for ranks in (1..=100).chain([1000, 1024, 4096]) {
+            for limits in [NONE, Limits::ALL] {
+                let mut plans = vec![sizes(ranks, ranks as u32), sizes(ranks, 2)];
+                plans.retain(|plan| plan.len() < 2 || ranks.is_power_of_two());
+                for radix in radices(ranks, limits.all) {
+                    let plan = sizes(ranks, radix);
+                    assert!(
+                        !plans.contains(&plan),
+                        "{ranks}: radix-{radix} has the groups {plan:?} of another"
+                    );
+                    plans.push(plan);
+                }
+            }
+        }
+        assert_eq!(
+            [25, 17, 64, 60].map(|ranks| radices(ranks, false)),
+            [vec![4], vec![], vec![4, 8], vec![4, 8]]
+        );
     }
 
     #[test]

@@ -262,6 +262,15 @@ fn joined(count: usize) -> Vec<Vec<Joined>> {
     rounds
 }
 
+/// The sizes of the groups of each round of 2-3 swap if all groups of a round have the same: then it is radix-k with other names.
+pub(super) fn even_groups(count: usize) -> Option<Vec<usize>> {
+    let even = |round: &Vec<Joined>| match round[..] {
+        [node] if node.size.is_multiple_of(node.children) => Some(node.children),
+        _ => None,
+    };
+    joined(count).iter().rev().map(even).collect()
+}
+
 /// The sizes of the groups of radix-k.
 pub(super) fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
     let mut sizes = Vec::new();
@@ -292,7 +301,7 @@ mod tests {
         let machine = crate::predict::choose::machine().expect("built in");
         let rates = Rates { fragments: true, composited_bytes: 1.0, ..rates(&machine) };
         let wires = Network::in_process(&machine).expect("it has a network").into();
-        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 64.0 };
+        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 64.0, waking: 0.0 };
         let tiles: Vec<u32> = (0..TILES as u32).collect();
         for count in 2..=40usize {
             let places: Vec<usize> = (0..count).collect();
@@ -350,7 +359,7 @@ mod tests {
         let machine = crate::predict::choose::machine().expect("built in");
         let rates = rates(&machine);
         let wires = Network::in_process(&machine).expect("it has a network").into();
-        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 8.0 };
+        let stage = Stage { rates: &rates, wires, share: 1.0, processors: 8.0, waking: 0.0 };
         for count in [2usize, 4, 8, 32] {
             let tiles = (1..90).map(|k| SharedTile {
                 ranks: count as f64,

@@ -112,12 +112,9 @@ impl Grouped<'_> {
         let front_end = self.front_end(organisation, division, &sorting, stage);
         let bins = self.bins(organisation, &bins, stage, &mut sent);
         let touched = self.touched(organisation, stage, &mut sent);
-        let terms = Terms {
-            front_end,
-            exchange: bins + touched,
-            draw: stage.work(draw.into_iter()),
-            ..Terms::default()
-        };
+        let draw = stage.work(draw.into_iter());
+        let front_end = front_end + stage.waking(front_end + draw);
+        let terms = Terms { front_end, exchange: bins + touched, draw, ..Terms::default() };
         Divided { terms, sent, shared, finished, composited, picture: tiles.pixels.iter().sum() }
     }
 

@@ -36,6 +36,7 @@ use tercio_parallel::{Composition, Division, Organisation, Sharing};
 use tercio_scene::Instance;
 
 use super::PredictError;
+use super::frame::waking;
 use super::ranks::Picture;
 use crate::machines::{self, Machine, MachineError};
 use candidates::Limits;
@@ -109,10 +110,12 @@ pub fn choose(picture: &Picture, job: Job, limits: &Limits) -> Result<Choice, Pr
     let begin = Instant::now();
     let candidates = limits.candidates(job.ranks)?;
     let translucent = picture.scene.instances.iter().any(Instance::is_translucent);
-    let rates = Rates::of(&machine()?, picture.settings, translucent);
+    let machine = machine()?;
+    let rates = Rates::of(&machine, picture.settings, translucent);
     let (threads, processors) = (job.threads.max(1) as f64, job.processors.max(1) as f64);
     let share = 1.0 / threads.min(processors);
-    let stage = Stage { rates: &rates, wires: job.network.into(), share, processors };
+    let waking = waking(&machine, job.threads);
+    let stage = Stage { rates: &rates, wires: job.network.into(), share, processors, waking };
     let mut sights = Sights::new(picture, job.ranks);
     let mut predicted = sights.predict(&candidates, &stage)?;
     let steps = sights.steps;

@@ -8,7 +8,7 @@ use super::wires::{Reach, Wires};
 /// Predicted seconds of a frame; their sum is its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Terms {
-    /// Dividing the picture, testing clusters and sorting them into tiles.
+    /// Dividing the picture, testing clusters and sorting them into tiles, and the time until a rank's threads have woken up.
     pub front_end: f64,
     /// Sending bins to the owners of tiles, and telling others which tiles are touched.
     pub exchange: f64,
@@ -68,6 +68,8 @@ pub struct Stage<'a> {
     pub share: f64,
     /// Processors of all ranks together.
     pub processors: f64,
+    /// Seconds until the other threads of a rank take part in a frame.
+    pub waking: f64,
 }
 
 impl Stage<'_> {
@@ -87,6 +89,12 @@ impl Stage<'_> {
     /// Seconds for a second of work on one thread, while this many ranks work.
     fn slowdown(&self, ranks: f64) -> f64 {
         self.share.max(ranks / self.processors)
+    }
+
+    /// Seconds that work takes longer because threads have to wake up first: it takes so many seconds when they are awake, and never
+    /// more than one thread needs alone.
+    pub fn waking(&self, seconds: f64) -> f64 {
+        self.waking.min(seconds * (1.0 / self.share - 1.0)).max(0.0)
     }
 
     /// Seconds of work that this many ranks share evenly.
@@ -138,7 +146,7 @@ mod tests {
         let network = Network::in_process(&machine).expect("it has a network");
         let seconds = |threads: f64, processors: f64, works: &[f64]| {
             let share = 1.0 / threads.min(processors);
-            let stage = Stage { rates, wires: network.into(), share, processors };
+            let stage = Stage { rates, wires: network.into(), share, processors, waking: 0.0 };
             stage.work(works.iter().copied())
         };
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
@@ -153,7 +161,11 @@ mod tests {
         // Threads of a rank divide its work.
         near(seconds(2.0, 4.0, &[4.0, 2.0]), 2.0);
         near(seconds(4.0, 2.0, &[4.0]), 2.0);
-        let stage = Stage { rates, wires: network.into(), share: 0.5, processors: 3.0 };
+        let stage = Stage { rates, wires: network.into(), share: 0.5, processors: 3.0, waking: 0.25 };
         near(stage.evenly(6.0, 3), seconds(2.0, 3.0, &[2.0; 3]));
+        // Two threads that work for a second save one; for a tenth of a second, only so much.
+        near(stage.waking(1.0), 0.25);
+        near(stage.waking(0.1), 0.1);
+        near(Stage { share: 1.0, ..stage }.waking(1.0), 0.0);
     }
 }
