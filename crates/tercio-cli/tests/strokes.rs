@@ -371,6 +371,75 @@ fn strokes_obey_the_picture_law() {
     }
 }
 
+/// The edges of cells, of which a hexahedron has several polygons and a quad one, and no diagonal of either: from every number of
+/// ranks and from the prepared model as from one process. Parts of a model have none, and that is said.
+#[test]
+fn edges_of_mixed_cells_are_those_of_their_polygons() {
+    let place = Place::new();
+    let points: [[f64; 3]; 10] = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [0.0, 1.0, 1.0],
+        [2.0, 0.0, 0.0],
+        [2.0, 1.0, 0.0],
+    ];
+    let mut vtk =
+        "# vtk DataFile Version 3.0\ncells\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 10 float\n".to_owned();
+    points.iter().for_each(|p| writeln!(vtk, "{} {} {}", p[0], p[1], p[2]).unwrap());
+    vtk += "CELLS 2 14\n8 0 1 2 3 4 5 6 7\n4 1 8 9 2\nCELL_TYPES 2\n12\n9\n";
+    fs::write(place.path("mixed.vtk"), vtk).unwrap();
+    place.run("prepare mixed.vtk -o mixed.tercio").ok_silently();
+
+    let eye = Eye::new(DVec3::new(3.1, 2.3, 4.4), DVec3::new(1.0, 0.5, 0.4));
+    let look = format!("{} --aa 1 --line-width 2 --background #fff --edge-color #000", eye.options());
+    let sides =
+        [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+    let sides = sides.into_iter().chain([[1, 8], [8, 9], [9, 2]]);
+    let lines: Vec<_> = sides.map(|side| side.map(|k| eye.screen(DVec3::from(points[k])))).collect();
+    let picture = Picture::render(&place, &format!("mixed.vtk --mode wireframe {look}"));
+    let is_drawn = |x: usize, y: usize| picture.at(x, y)[0] < 128;
+    for y in 0..HEIGHT {
+        for x in 0..WIDTH {
+            let middle = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+            let nearest = lines.iter().map(|&line| distance(middle, line)).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1.1 || !is_drawn(x, y), "{x}, {y}: drawn, {nearest} pixels beside");
+            assert!(nearest > 0.9 || is_drawn(x, y), "{x}, {y}: not drawn, {nearest} pixels beside");
+        }
+    }
+
+    for mode in [
+        "--mode edges",
+        "--mode wireframe",
+        "--mode hidden-line",
+        "--edges",
+        "--edges=feature,boundary,silhouette",
+    ] {
+        let expected = Picture::render(&place, &format!("mixed.vtk {mode} {look}"));
+        assert!(expected.0.iter().any(|&c| c < 100), "{mode}: nothing dark");
+        for way in [
+            "mixed.vtk --ranks 2 --organisation sort-first",
+            "mixed.vtk --ranks 3 --organisation sort-middle",
+            "mixed.vtk --ranks 3 --organisation sort-last",
+            "mixed.vtk --ranks 4 --organisation sort-twice",
+            "mixed.tercio",
+            "mixed.tercio --ranks 2 --organisation sort-last",
+        ] {
+            assert!(
+                Picture::render(&place, &format!("{way} {mode} {look}")).0 == expected.0,
+                "{mode}: {way}"
+            );
+        }
+        place
+            .run(&format!("render mixed.vtk {mode} -o a.png --parts"))
+            .failed(2, &["--mode and --edges are not possible with --parts: the edges of a part are not those of the model"]);
+    }
+}
+
 #[test]
 fn options_without_effect_are_mistakes() {
     let place = Place::new();

@@ -15,16 +15,16 @@ use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Light, Scene, Surfa
 
 const SPECIAL: [f32; 6] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38, 1e-40];
 
-/// A mesh with four attributes at vertices and one at triangles: numbers of -1 to 2, some of them special.
+/// A mesh with four attributes at vertices and three at triangles: numbers of -1 to 2, some of them special.
 fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
     let mut random = Random(seed);
     let mut value = || match random.next() {
         r if r < special => SPECIAL[(r / special * SPECIAL.len() as f64) as usize],
         _ => random.between(-1.0, 2.0) as f32,
     };
-    for k in 0..5 {
+    for k in 0..7 {
         let (domain, count) = match k {
-            4 => (AttributeDomain::Triangle, mesh.triangles.len()),
+            4.. => (AttributeDomain::Triangle, mesh.triangles.len()),
             _ => (AttributeDomain::Vertex, mesh.positions.len()),
         };
         let values = (0..count).map(|_| value()).collect();
@@ -105,6 +105,43 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
         ),
         ("colours", direct(&[0, 1, 2])),
         ("colours with alpha", direct(&[0, 1, 2, 3])),
+        // Without lines of equal value, so that the kernel of interpolated values draws them.
+        (
+            "both logs alone",
+            mapped(
+                attribute(1),
+                DataColors {
+                    scale: Scale::SymmetricLog { threshold: 0.01 },
+                    below: Some([1, 2, 3, 255]),
+                    above: Some([250, 2, 3, 255]),
+                    ..colors("coolwarm")
+                },
+            ),
+        ),
+        (
+            "both logs of cells",
+            mapped(
+                attribute(5),
+                DataColors {
+                    scale: Scale::SymmetricLog { threshold: 0.3 },
+                    above: Some([250, 2, 3, 255]),
+                    ..colors("RdBu_r")
+                },
+            ),
+        ),
+        ("length alone", mapped(DataSource::Magnitude(vec![0, 1, 2]), colors("plasma"))),
+        (
+            "length of cells",
+            mapped(
+                DataSource::Magnitude(vec![4, 5, 6]),
+                DataColors {
+                    range: [0.8, 1.9],
+                    below: Some([3, 2, 100, 255]),
+                    above: Some([250, 200, 3, 255]),
+                    ..colors("viridis")
+                },
+            ),
+        ),
     ]
 }
 
@@ -168,6 +205,23 @@ fn every_shading_and_sampling() {
     }
 }
 
+/// Values below and above the range are seen in the pictures that shall show them, in their own colours.
+#[test]
+fn colours_below_and_above_are_seen() {
+    let mesh = with_data(tercio_mesh::builtin::make("builtin:sphere@3k").expect("a model"), 0.0, 11);
+    for (name, data) in kinds() {
+        let SurfaceData::Mapped { colors, .. } = &data else { continue };
+        let own: Vec<_> = [colors.below, colors.above].into_iter().flatten().collect();
+        let scene = showing(&mesh, data.clone());
+        let settings = Settings { shading: Shading::Unlit, ..Settings::one_sample(75, 58) };
+        let picture = draw(&scene, &camera(), &settings).planes.color;
+        for color in own {
+            let seen = picture.iter().filter(|&&pixel| pixel == color).count();
+            assert!(seen > 20, "{name}: {seen} pixels of {color:?}");
+        }
+    }
+}
+
 /// Colours alone, of a surface with vertex normals that agree with its triangles: what kernels are specialized for, for triangles in
 /// clusters and (seen from near by) for those that are binned one by one, with one sample and with several.
 #[test]
@@ -223,7 +277,7 @@ fn data_that_are_not_there_are_refused() {
     let bad = |colors: DataColors| mapped(DataSource::Attribute(0), colors);
     let plain = || colors("gray");
     for (data, wrong) in [
-        (mapped(DataSource::Attribute(5), plain()), "data of an instance"),
+        (mapped(DataSource::Attribute(7), plain()), "data of an instance"),
         (mapped(DataSource::Magnitude(vec![0, 4]), plain()), "data of an instance"),
         (mapped(DataSource::Magnitude(vec![]), plain()), "data of an instance"),
         (mapped(DataSource::Normal(DVec3::X), plain()), "data of an instance"),

@@ -243,6 +243,31 @@ fn ranks_with_files_of_their_own_load_what_the_files_are_together() {
     }
 }
 
+/// Of these cells only the hexahedron has several polygons, which edges need and parts do not have.
+#[test]
+fn parts_with_and_without_cells_of_several_polygons_are_the_whole() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let head = "# vtk DataFile Version 3.0\ncells\nASCII\nDATASET UNSTRUCTURED_GRID\n";
+    let cube = "0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1";
+    let square = "0 0 3 1 0 3 1 1 3 0 1 3";
+    for (name, text) in [
+        ("part_0.vtk", format!("POINTS 8 float\n{cube}\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\n")),
+        ("part_1.vtk", format!("POINTS 4 float\n{square}\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n9\n")),
+        (
+            "whole.vtk",
+            format!(
+                "POINTS 12 float\n{cube} {square}\nCELLS 2 14\n8 0 1 2 3 4 5 6 7\n4 8 9 10 11\nCELL_TYPES 2\n12\n9\n"
+            ),
+        ),
+    ] {
+        write(folder.path(), name, format!("{head}{text}").as_bytes());
+    }
+    let whole = folder.path().join("whole.vtk");
+    let triangles = LoadOptions::default().load(&whole).expect("the whole model").mesh.triangle_count();
+    assert_eq!(triangles, 6 * 2 + 2);
+    check(&folder.path().join("part_{rank}.vtk"), &whole, &[2]);
+}
+
 #[test]
 fn parts_that_do_not_fit_together_are_refused_by_all_ranks() {
     let folder = tempfile::tempdir().expect("a folder");

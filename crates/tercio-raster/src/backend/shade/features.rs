@@ -227,7 +227,7 @@ impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
 
 /// The common look with colours of data, with lines along the sides of triangles, or with both. Which of them is known at run time:
 /// one kernel serves all.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Explained {
     /// Colours of values that are interpolated, without lines of equal value.
     data: bool,
@@ -255,3 +255,6 @@ impl Features for Explained {
         self.edges
     }
 }
+
+#[cfg(test)]
+mod tests;
