@@ -180,7 +180,7 @@ fn framebuffer() -> Result<Findings, ExperimentError> {
         ],
         verdict: Verdict::None {
             why: "Whole frames are printed, of which compositing and delivery are a part that is not given: only a model that is wrong by \
-                  a factor of twenty would contradict print."
+                  about a factor of twenty would contradict print."
                 .into(),
             beside: format!("full pictures of 16 B a pixel take, on the wires: {}.", beside.join("; ")),
         },
