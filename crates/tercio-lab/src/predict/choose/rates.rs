@@ -83,9 +83,8 @@ impl Rates {
         let colors = settings.outputs.pixel_bytes() as f64;
         let of_spans = cost(Operation::UnpackedSpan) / SPAN;
         let finished_bytes = colors + SPAN_HEAD / SPAN;
-        // Another rank's pixel and one of this rank; a description without this cost has that of the two samples of one of them.
-        let merged =
-            2.0 * machine.seconds(Operation::MergedPixel).unwrap_or_else(|| cost(Operation::UnpackedSample));
+        // Of a description without this cost, the two samples of a pixel unpacked.
+        let merged = machine.seconds(Operation::MergedPixel).unwrap_or(2.0 * cost(Operation::UnpackedSample));
         Self {
             cluster: cost(Operation::Cluster),
             entry: cost(Operation::ClusterEntry),
