@@ -102,7 +102,7 @@ impl Shared {
                 continue;
             }
             let packing = std::iter::once(exchange.packing(rank));
-            let composing = (0..ranks).filter_map(|from| exchange.composing(from, rank));
+            let composing = exchange.composing(rank).into_iter().map(|merge| merge.1);
             stages.push((sum(&mut packing.chain(composing)), self.measured.busy(rank, |s| &s.compose)));
             let others = if rank == 0 { 1..ranks } else { 0..0 };
             let collecting = others.map(|from| exchange.collecting(from));

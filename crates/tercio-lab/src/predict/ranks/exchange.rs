@@ -161,26 +161,28 @@ impl<'a> Exchange<'a> {
         self.packed(drawn, scanned, true)
     }
 
-    /// Merging what a rank receives from another into what it has then, from itself and those that it received before: the others
-    /// in turn, beginning with the one before it. `None` if it receives nothing.
-    pub fn composing(&self, from: usize, rank: usize) -> Option<Charges> {
-        let taken = self.messages.between(from, rank)?;
-        let ranks = self.sharing.ranks;
+    /// Merging what a rank receives from others, in the order in which it does: each into what it has then, from itself and from those
+    /// before.
+    pub fn composing(&self, rank: usize) -> Vec<(usize, Charges)> {
+        let (ranks, composited) = (self.sharing.ranks, self.messages.finished[rank].composited);
         let sent: u64 = self.messages.composed[rank].iter().flatten().map(|sent| sent.pixels).sum();
-        let kept = self.messages.shared[rank].0.pixels - sent;
-        let before = (1..ranks).map(|step| (rank + ranks - step) % ranks).take_while(|&other| other != from);
-        let received = before.filter_map(|other| self.messages.between(other, rank));
-        // What one hides of another is not known: at most what the rank shows in the end. Of that, what it has in the tiles that
-        // it receives, as if all had the same number of pixels.
-        let composited = self.messages.finished[rank].composited;
-        let own = (kept + received.map(|pixels| pixels.pixels).sum::<u64>()).min(composited.pixels) as f64;
-        let own = own * (taken.tiles as f64 / composited.tiles.max(1) as f64).min(1.0);
-        let mut charges = [0.0; KINDS];
-        charges[6] = taken.spans as f64;
-        charges[10] = own + taken.pixels as f64;
-        let written = taken.pixels as f64 * (KEY + COLOR);
-        charges[9] = (taken.keyed_bytes() as f64 + written) / LINE * self.missed;
-        Some(charges)
+        let mut has = self.messages.shared[rank].0.pixels - sent;
+        let mut merges = Vec::new();
+        for from in (1..ranks).map(|step| (rank + ranks - step) % ranks) {
+            let Some(taken) = self.messages.between(from, rank) else { continue };
+            // What one hides of another is not known: at most what the rank shows in the end. Of that, what it has in the tiles that
+            // it receives, as if all had the same number of pixels.
+            let share = (taken.tiles as f64 / composited.tiles.max(1) as f64).min(1.0);
+            let own = has.min(composited.pixels) as f64 * share;
+            let mut charges = [0.0; KINDS];
+            charges[6] = taken.spans as f64;
+            charges[10] = own + taken.pixels as f64;
+            let written = taken.pixels as f64 * (KEY + COLOR);
+            charges[9] = (taken.keyed_bytes() as f64 + written) / LINE * self.missed;
+            merges.push((from, charges));
+            has += taken.pixels;
+        }
+        merges
     }
 
     /// A rank's part of collecting the finished pixels: others pack them; rank 0 clears the pixels of its picture that it has
@@ -223,7 +225,7 @@ impl<'a> Exchange<'a> {
     fn unpacked(&self, taken: Pixels) -> Charges {
         let mut charges = [0.0; KINDS];
         charges[6] = taken.spans as f64;
-        charges[7] = samples(taken, false);
+        charges[7] = taken.pixels as f64;
         charges[9] = (taken.bytes() as f64 + taken.pixels as f64 * COLOR) / LINE * self.missed;
         charges
     }
@@ -291,10 +293,12 @@ mod tests {
         let packing = exchange.packing(0);
         assert_eq!(packing[3..6], [512.0, 7.0, 140.0]);
         assert_eq!(packing[9], lines(512.0 * 8.0 + 70.0 * 4.0 + 7.0 * 6.0 + 70.0 * 12.0 + 12.0));
-        let composing = exchange.composing(0, 1).unwrap();
+        let [(from, composing)] = exchange.composing(1)[..] else { panic!("one message") };
+        assert_eq!(from, 0);
         // Rank 1 keeps 20 of its 30 pixels, and shows 20 in the end.
         assert_eq!((composing[6], composing[7], composing[10]), (3.0, 0.0, 50.0));
-        assert_eq!(exchange.composing(0, 0), None);
+        // Nothing from itself.
+        assert!(exchange.composing(0).iter().all(|merge| merge.0 == 1));
         // Finished colours without keys.
         assert_eq!(exchange.finishing(1)[3..6], [256.0, 5.0, 50.0]);
         assert_eq!(exchange.collecting(1)[6..8], [7.0, 70.0]);

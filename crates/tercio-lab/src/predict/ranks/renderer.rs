@@ -306,10 +306,8 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
             send(&mut steps, to, pixels.keyed_bytes());
         }
     }
-    for from in (1..ranks).map(|step| (rank + ranks - step) % ranks) {
-        let Some(pixels) = messages.between(from, rank) else { continue };
-        take(&mut steps, from, pixels.keyed_bytes());
-        let composing = exchange.composing(from, rank).unwrap_or_default();
+    for (from, composing) in exchange.composing(rank) {
+        take(&mut steps, from, messages.between(from, rank).map_or(0, |pixels| pixels.keyed_bytes()));
         steps.push(Step::Work(Stage::Compose, costs.seconds(&composing) / threads));
     }
     let finished = &messages.finished;

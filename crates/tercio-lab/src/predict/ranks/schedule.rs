@@ -3,8 +3,8 @@
 //! A rank runs until it has to wait for a message. If there are more ranks than processors, the ready ones wait in a
 //! queue, and a rank whose time slice has expired goes to its end, like threads of equal priority in an operating
 //! system. Ranks that poll while they wait stay on their processors, each with a queue of its own: to the system, all
-//! processors are busy, and nothing is to be moved. A message leaves when its sender's port is free, crosses the network and enters when its receiver's port is
-//! free.
+//! processors are busy, and nothing is to be moved. A message leaves when its sender's port is free, crosses the network
+//! and enters when its receiver's port is free.
 
 use std::collections::VecDeque;
 
