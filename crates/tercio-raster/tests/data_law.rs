@@ -51,6 +51,12 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
         offset: 0.1,
     };
     let attribute = DataSource::Attribute;
+    let both_logs = DataColors {
+        scale: Scale::SymmetricLog { threshold: 0.01 },
+        below: Some([1, 2, 3, 255]),
+        above: Some([250, 2, 3, 255]),
+        ..colors("coolwarm")
+    };
     vec![
         ("smooth", mapped(attribute(0), colors("viridis"))),
         ("cells", mapped(attribute(4), DataColors { bands: Some(7), ..colors("RdBu_r") })),
@@ -58,19 +64,7 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
             "log",
             mapped(attribute(1), DataColors { scale: Scale::Log, range: [1e-3, 2.0], ..colors("turbo") }),
         ),
-        (
-            "both logs",
-            mapped(
-                attribute(1),
-                DataColors {
-                    scale: Scale::SymmetricLog { threshold: 0.01 },
-                    below: Some([1, 2, 3, 255]),
-                    above: Some([250, 2, 3, 255]),
-                    isolines: lines(2.5),
-                    ..colors("coolwarm")
-                },
-            ),
-        ),
+        ("both logs", mapped(attribute(1), DataColors { isolines: lines(2.5), ..both_logs.clone() })),
         (
             "length",
             mapped(
@@ -106,18 +100,7 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
         ("colours", direct(&[0, 1, 2])),
         ("colours with alpha", direct(&[0, 1, 2, 3])),
         // Without lines of equal value, so that the kernel of interpolated values draws them.
-        (
-            "both logs alone",
-            mapped(
-                attribute(1),
-                DataColors {
-                    scale: Scale::SymmetricLog { threshold: 0.01 },
-                    below: Some([1, 2, 3, 255]),
-                    above: Some([250, 2, 3, 255]),
-                    ..colors("coolwarm")
-                },
-            ),
-        ),
+        ("both logs alone", mapped(attribute(1), both_logs)),
         (
             "both logs of cells",
             mapped(
