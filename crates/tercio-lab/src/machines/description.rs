@@ -119,6 +119,10 @@ pub struct Processors {
     /// Time from the beginning of a frame until the other processors take part; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wake_up: Option<Sourced<Seconds>>,
+    /// Processor time of a short sleep and of waking up from it, which a process that polls for a message takes from one that works
+    /// on the same processor; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nap: Option<Sourced<Seconds>>,
 }
 
 /// The screen.
