@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use super::*;
 use crate::units::BytesPerSecond;
 
@@ -177,3 +179,28 @@ fn numbers_quoted_from_another_machine_follow_it() {
     }
     assert!(compared > 60, "{compared}");
 }
+/// What its summary calls like server-128 is, except what it says of messages, shared cache and memory.
+#[test]
+fn a_node_of_the_cluster_differs_from_the_server_only_where_its_summary_says_so() {
+    let [cluster, server] = ["cluster-64", "server-128"].map(|name| builtin(name).unwrap().unwrap());
+    let (node, alone) = (cluster.node.unwrap(), server.network.unwrap());
+    assert_eq!((node.topology, node.bandwidth.value), (alone.topology, alone.bandwidth.value));
+    assert_eq!(node.hop.value, alone.hop.value);
+    let says = |what: &str| assert!(cluster.summary.contains(what), "{what}: {}", cluster.summary);
+    if node.message.value != alone.message.value {
+        says(&format!("{} for {}", node.message, alone.message));
+    }
+    let (ours, theirs) = (cluster.processors, server.processors);
+    assert_eq!(ours.per_node.unwrap().value, theirs.count.value);
+    assert_eq!(ours.own_cache.unwrap().value, theirs.own_cache.unwrap().value);
+    if ours.shared_cache.map(|c| c.value) != theirs.shared_cache.map(|c| c.value) {
+        says("without shared cache");
+    }
+    if ours.memory_bandwidth.map(|b| b.value) != theirs.memory_bandwidth.map(|b| b.value) {
+        says("and bandwidth of memory");
+    }
+    let values =
+        |costs: BTreeMap<Operation, Sourced<Cost>>| costs.into_values().map(|c| c.value).collect::<Vec<_>>();
+    assert_eq!(values(cluster.costs), values(server.costs));
+}
+
