@@ -246,15 +246,19 @@ impl Machine {
         self.at_most("processors that share a memory", self.most_threads(), processors)
     }
 
-    /// Checks that one operation of each kind of work has a cost, which may be 0.
+    /// Checks that one operation of each kind of work has a cost of more than 0.
     ///
     /// # Errors
     /// [`MachineError::Missing`] with the names of the costs of all kinds of work that have none.
     pub fn need_costs(&self, kinds: &[&[Operation]]) -> Result<(), MachineError> {
-        let without = kinds.iter().filter(|kind| kind.iter().all(|o| !self.costs.contains_key(o)));
-        let names = without
-            .map(|kind| kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or "));
-        let names: Vec<_> = names.collect();
+        let is_free = |o: &Operation| self.costs.get(o).is_none_or(|cost| cost.value == 0.0);
+        let without = kinds.iter().filter(|kind| kind.iter().all(is_free));
+        let name = |o: &Operation| match self.costs.get(o) {
+            Some(cost) => format!("costs.{} of more than 0 (found {cost})", o.name()),
+            None => format!("costs.{}", o.name()),
+        };
+        let names: Vec<_> =
+            without.map(|kind| kind.iter().map(name).collect::<Vec<_>>().join(" or ")).collect();
         self.need(names.is_empty().then_some(&()), &names.join(", ")).copied()
     }
 
