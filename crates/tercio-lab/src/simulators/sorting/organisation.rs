@@ -12,7 +12,7 @@ use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};
 use super::regions::{Assignment, Regions};
 use super::simd::{self, Simd};
-use crate::machines::{DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
+use crate::machines::{Control, DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
 use crate::simulators::ring::AlgorithmError;
 use crate::units::Bytes;
 use crate::workloads::{BoxScene, PixelBox};
@@ -36,6 +36,16 @@ impl Organisation {
     /// Are pictures of several processors merged?
     pub fn composites(self) -> bool {
         matches!(self, Self::SortLast | Self::SortTwice(_))
+    }
+}
+
+/// Processors of a group of sort-twice if nobody says how many: 16, or all of fewer. Groups of a SIMD machine divide its
+/// processors: then the most up to 16 that do.
+pub fn usual_group(machine: &Machine, processors: usize) -> usize {
+    let most = processors.clamp(1, 16);
+    match machine.processors.control {
+        Control::Mimd => most,
+        Control::Simd => (1..=most).rev().find(|&group| processors.is_multiple_of(group)).unwrap_or(1),
     }
 }
 
