@@ -413,22 +413,24 @@ fn compose(whole: Regions, group: usize, s: &Setting) -> Composed {
         last: s.regions((s.processors % group).max(1)),
     };
     let mut composed = Composed::default();
+    // Pixels that each processor merges in a round.
+    let mut merged = vec![0u64; s.processors];
     groups.compose(|step, transfers| {
         if step == Step::Delivery && s.network.delivery == Delivery::Display {
             return;
         }
         let mut links = Links::new(&s.network, s.processors);
         let bytes = if step == Step::Delivery { s.costs.delivered } else { s.costs.sample };
-        let mut merged = std::collections::HashMap::new();
+        merged.fill(0);
         for t in transfers {
             links.send(t.from, t.to, t.pixels * bytes);
-            *merged.entry(t.to).or_insert(0) += t.pixels;
+            merged[t.to] += t.pixels;
         }
         let traffic = links.traffic();
         if step == Step::Delivery {
             composed.delivery = traffic;
         } else {
-            let most = merged.values().copied().max().unwrap_or(0) as f64;
+            let most = merged.iter().copied().max().unwrap_or(0) as f64;
             composed.composition = composed.composition.then(traffic);
             composed.composition_seconds += s.network.seconds(&traffic) + most * s.costs.composite;
         }
