@@ -217,6 +217,12 @@ impl Machine {
         p.at_most.as_ref().map_or(p.count.whole(), |most| most.whole().max(p.count.whole()))
     }
 
+    /// The processors of the machine if `wanted` are: more than are described, as far as it may have them.
+    pub fn processors_for(&self, wanted: usize) -> usize {
+        let [described, most] = [self.processors.count.whole(), self.most_processors()];
+        (wanted as u64).clamp(described, most) as usize
+    }
+
     /// The largest number of processors that share a memory: those of a node. Processors of a SIMD machine have one each.
     pub fn most_threads(&self) -> u64 {
         if self.processors.control == Control::Simd {
