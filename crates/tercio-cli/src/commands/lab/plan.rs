@@ -82,12 +82,11 @@ const TOO_LOW: &str = "the predicted times are too low, of loose triangles, of w
 /// It is a warning if the description has no costs of some of a picture's work.
 fn warn_of_uncharged(machine: &Machine, counted: &counts::Counted, scene: &Scene) {
     let work = uncharged(machine, &counted.frame, is_loose(scene));
-    let names: Vec<_> = work
-        .iter()
-        .map(|(operation, count)| format!("{} ({count} in this picture)", operation.name()))
-        .collect();
+    let names: Vec<_> =
+        work.iter().map(|(operation, count)| format!("{} ({count} times)", operation.name())).collect();
     if !names.is_empty() {
-        messages::warning(&format!("{}: no costs of {}: {TOO_LOW}", machine.name, names.join(" and ")));
+        let names = names.join(", ");
+        messages::warning(&format!("{}: no costs of work in this picture, {names}: {TOO_LOW}", machine.name));
     }
 }
 
