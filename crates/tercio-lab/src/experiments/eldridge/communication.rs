@@ -114,12 +114,8 @@ fn organisations() -> Result<Findings, ExperimentError> {
     let points = |time: Time<'_>| polygons.iter().map(|&p| (p, time(Polygons::new(p)).get())).collect();
     let plot = curves.iter().fold(plot, |plot, (name, time)| plot.with(Series::line(*name, points(*time))));
     // The document's curves are lost but for the places where they cross.
-    let crossing = |p: f64, time: Time<'_>| (p, time(Polygons::new(p)).get());
-    let crossings = vec![
-        crossing(facts.printed("E4.11")?, curves[4].1),
-        crossing(facts.printed("E4.12-as-computed")?, curves[3].1),
-    ];
-    let plot = plot.with(Series::points("crossings in print", crossings).published());
+    let crossings = [facts.printed("E4.11")?, facts.printed("E4.12-as-computed")?];
+    let plot = plot.with(Series::printed_places("crossings in print", crossings));
     let correction = "The raster terms are f A R, not f A R / o: only so do the printed 60,123 and 75 % come out. A pass \
                       of dense sort-last takes 24 instructions, not 29.";
     Ok(Findings {
@@ -187,7 +183,7 @@ fn strides() -> Result<Findings, ExperimentError> {
         Axis::linear("instructions per polygon"),
     )
     .with(Series::line_points("equation 5.5", points))
-    .with(Series::points("optimum, printed d = 27.36", vec![(27.36, least)]).published());
+    .with(Series::printed_places("optimum, printed d = 27.36", [27.36]));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
@@ -217,7 +213,7 @@ fn copies() -> Result<Findings, ExperimentError> {
         Axis::linear("instructions per polygon"),
     )
     .with(Series::line_points("equation 5.8", points))
-    .with(Series::points("optimum, printed m = 6.32", vec![(6.32, of(6.32))]).published());
+    .with(Series::printed_places("optimum, printed m = 6.32", [6.32]));
     let correction = "The third term of equation 5.8 is (p/2n)(n/2m)(3a + b); equations 5.9 and 5.10 follow from that \
                       only.";
     Ok(Findings {

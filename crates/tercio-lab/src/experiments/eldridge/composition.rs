@@ -142,8 +142,8 @@ fn crossover() -> Result<Findings, ExperimentError> {
     )
     .with(Series::line("sort-middle (6.9)", points(&middle)))
     .with(Series::line("sort-twice (6.8, corrected)", points(&|p| twice(p, growth))))
-    .with(Series::line("sort-twice (6.8, as printed)", points(&|p| twice(p, printed_growth))).published())
-    .with(Series::points("printed crossover", vec![(50_503.0, middle(50_503.0))]).published());
+    .with(Series::line("sort-twice (6.8, as printed)", points(&|p| twice(p, printed_growth))))
+    .with(Series::printed_places("printed crossover", [50_503.0]));
     let correction = "Equation 6.8 prints 441 = 21^2 where putting 6.7 into 6.5 and 6.6 gives 4 * 84 * 21; and 6.5 prints \
                       84 where half of its own pass of 156 is 78.";
     Ok(Findings {

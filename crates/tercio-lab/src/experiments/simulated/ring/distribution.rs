@@ -92,7 +92,7 @@ pub fn strides() -> Result<Findings, ExperimentError> {
         );
         (d, cost.get())
     });
-    series.push(Series::line("equation 5.5", formula.collect()).published());
+    series.push(Series::line("equation 5.5", formula.collect()));
     let plot = Plot {
         name: "strides".into(),
         title: "Instructions of communication against the first stride".into(),

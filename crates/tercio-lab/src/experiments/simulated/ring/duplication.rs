@@ -6,6 +6,7 @@ use super::{
     DOCUMENTED, SCENES, by_clumping, clumped, curves, frame, least, profile, record, scenes, strides,
 };
 use crate::simulators::ring::RingRun;
+use crate::words::counted;
 
 /// Instructions of geometry and communication for each visible polygon.
 fn cost(run: &RingRun) -> f64 {
@@ -14,6 +15,10 @@ fn cost(run: &RingRun) -> f64 {
 
 /// Numbers of copies.
 const COPIES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+fn in_words(copies: u32) -> String {
+    counted(copies.into(), "copy", "copies")
+}
 
 /// Figure 5-6.
 pub fn copies() -> Result<Findings, ExperimentError> {
@@ -40,7 +45,7 @@ pub fn copies() -> Result<Findings, ExperimentError> {
     };
     let all_costs = COPIES.into_iter().map(costs).collect::<Result<Vec<_>, _>>()?;
     for (m, points) in COPIES.into_iter().zip(&all_costs) {
-        record(&mut swept, &format!("{name}, {m} copies"), points);
+        record(&mut swept, &format!("{name}, {}", in_words(m)), points);
     }
     comparison.fit(Fit::new("153 instructions with one copy", clumping, "153", all_costs[0].clone()));
     comparison.fit(Fit::new("132 instructions with 16 copies", clumping, "132", all_costs[4].clone()));
@@ -87,7 +92,7 @@ pub fn imbalance() -> Result<Findings, ExperimentError> {
         let sent = profile(&mut table, f64::from(m), run.sent.iter().copied());
         // As in the document: the maximum of eight neighbours.
         let groups = sent.chunks(8).map(|group| (group[0].0, group.iter().map(|p| p.1).fold(0.0, f64::max)));
-        series.push(Series::line(format!("{m} copies"), groups.collect()));
+        series.push(Series::line(in_words(m), groups.collect()));
     }
     let mut comparison = Comparison::new();
     let rising = most.windows(2).all(|w| w[0] < w[1]);
@@ -132,10 +137,10 @@ pub fn surface() -> Result<Findings, ExperimentError> {
             row.push(cost.into());
         }
         table.push_row(row);
-        series.push(Series::line_points(format!("{m} copies"), points));
+        series.push(Series::line_points(in_words(m), points));
     }
     let mut comparison = Comparison::new();
-    let says = format!("the best point, {} copies and a stride of {}, is 1 and 16", least.0, least.1);
+    let says = format!("the best point, {} and a stride of {}, is 1 and 16", in_words(least.0), least.1);
     comparison.claim(says, (least.0, least.1) == (1, 16));
     let plot = Plot {
         name: "surface".into(),
@@ -149,7 +154,7 @@ pub fn surface() -> Result<Findings, ExperimentError> {
         plots: vec![plot],
         remarks: vec![
             "The scene has the crocodile's number of polygons and a normal distribution of columns (deviation 30).".into(),
-            format!("Least cost: {:.1} instructions with {} copies and stride {}.", least.2, least.0, least.1),
+            format!("Least cost: {:.1} instructions with {} and stride {}.", least.2, in_words(least.0), least.1),
         ],
         verdict: comparison.qualitative("The crocodile is lost. The document's best point is a stride of 16 with one copy."),
     })
