@@ -35,6 +35,9 @@ pub struct Number {
     /// Our reading of why the print is contradicted, or why nothing is printed.
     #[serde(default)]
     pub why: Option<String>,
+    /// The row that has the same print: one number of the document, computed in another form or from other inputs.
+    #[serde(default)]
+    pub same_print_as: Option<String>,
     /// How the printed number relates to the expected one.
     pub standing: Standing,
     /// How the value is obtained.
@@ -129,6 +132,28 @@ mod tests {
         assert_eq!(ids.len(), all.len());
         for number in &all {
             registry::find(&number.model).unwrap_or_else(|e| panic!("{}: {e}", number.id));
+        }
+    }
+
+    #[test]
+    fn rows_of_one_print_print_the_same_and_a_contradiction_belongs_to_the_row_that_agrees() {
+        let all = numbers().unwrap();
+        for number in all.iter().filter(|n| n.same_print_as.is_some()) {
+            let of = all.iter().find(|n| Some(&n.id) == number.same_print_as.as_ref());
+            let of = of.unwrap_or_else(|| panic!("{}: no row for its print", number.id));
+            assert!(of.same_print_as.is_none() && of.document == number.document, "{}", number.id);
+            assert!(number.printed.is_some() && number.printed == of.printed, "{}", number.id);
+        }
+        // 84 is also the size of a descriptor, 16 the best array of other images.
+        const BY_CHANCE: [&str; 2] = ["E6.5", "M-fig7-true"];
+        let print = |n: &Number| n.printed.clone().map(|printed| (n.document.clone(), printed.to_string()));
+        for number in all.iter().filter(|n| n.standing == Standing::Contradicted && n.printed.is_some()) {
+            let is_other = |n: &&Number| n.id != number.id && print(n) == print(number);
+            for other in all.iter().filter(is_other) {
+                let key = |n: &Number| n.same_print_as.clone().unwrap_or_else(|| n.id.clone());
+                let together = key(other) == key(number) || BY_CHANCE.contains(&number.id.as_str());
+                assert!(together, "{} and {} print the same", number.id, other.id);
+            }
         }
     }
 

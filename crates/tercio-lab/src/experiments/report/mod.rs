@@ -164,7 +164,9 @@ const INTRODUCTION: &str = "Every figure and table of the five documents that fo
 
 const CLASSES: &str = "Reproduced: something other than the document's own formula gives the printed numbers. Restated: the document's own \
     formula does, which shows that it is read as it was meant. By construction: an input was chosen so that they come out. Qualitative: \
-    only the shape can be compared, or an input is not stated. No verdict: what is published does not determine whether ours is right.";
+    only the shape can be compared, or an input is not stated. Contradicted: something that is printed does not agree; in part, if a \
+    printed number does. A print is compared once, and how many numbers agree makes no difference. No verdict: what is published does \
+    not determine whether ours is right.";
 
 /// The report as one page of Markdown.
 fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {
