@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn every_row_names_a_formula_and_no_row_is_there_twice() {
         let all = numbers().unwrap();
-        assert_eq!(all.len(), 539);
+        assert_eq!(all.len(), 549);
         let ids: BTreeSet<_> = all.iter().map(|n| &n.id).collect();
         assert_eq!(ids.len(), all.len());
         for number in &all {
@@ -183,7 +183,11 @@ mod tests {
             serde_json::from_str(&std::fs::read_to_string(data.join("../seeds/published.json")).unwrap())
                 .unwrap();
         for number in numbers().unwrap() {
-            let listed = list.iter().find(|l| l["id"] == number.id.as_str()).unwrap();
+            let Some(listed) = list.iter().find(|l| l["id"] == number.id.as_str()) else {
+                // Cells of table 8.1 that the list has as arguments.
+                assert!(number.place.contains("table 8.1"), "{} is not listed", number.id);
+                continue;
+            };
             let same = match (&number.printed, &listed["printed"]) {
                 (None, printed) => printed.is_null(),
                 (Some(printed), listed) => {
