@@ -228,7 +228,7 @@ mod tests {
         ("eldridge-fig-5-5", "qualitative"),
         ("eldridge-fig-5-6", "contradicted"),
         ("eldridge-fig-5-7", "qualitative"),
-        ("eldridge-fig-5-8", "qualitative"),
+        ("eldridge-fig-5-8", "contradicted"),
         ("eldridge-fig-5-9", "contradicted in part"),
         ("eldridge-fig-6-6", "contradicted in part"),
         ("eldridge-fig-6-7", "qualitative"),
