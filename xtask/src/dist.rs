@@ -10,7 +10,7 @@ use tercio_testkit::workspace_root;
 
 use crate::elf::Needs;
 use crate::process::{
-    cargo, find_program, host_triple, in_background, is_root, run as run_command, rustflags, target_folder,
+    cargo, find_program, host_triple, is_root, run as run_command, rustflags, target_folder,
 };
 
 /// The binary has to stay small enough to send by mail; a jump over this limit needs a known reason. It was 10 MiB before
@@ -51,36 +51,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Compiles the binary at the lowest priority, so that [`build`] finds it compiled.
+/// Builds `dist/tercio` and returns its path.
 ///
 /// # Errors
-/// It does not build.
-pub fn compile_ahead() -> Result<()> {
-    run_command(&mut in_background(&compilation()?))
-}
-
-fn compilation() -> Result<Command> {
+/// It does not build, is not static, or is too large.
+pub fn build() -> Result<PathBuf> {
     let triple = host_triple()?;
     ensure!(triple.contains("-linux-"), "a static binary is made on Linux only, this is {triple}");
     ensure!(
         !triple.contains("-gnu") || crate::packages::has_static_libc(),
         "the static C library is missing (libc.a; Debian: libc6-dev, Fedora: glibc-static)"
     );
-    let mut command = cargo();
-    command
-        .env("RUSTFLAGS", rustflags(&["-Ctarget-feature=+crt-static"]))
-        .args(["build", "--package", "tercio-cli", "--bin", "tercio", "--profile", "dist", "--target"])
-        .arg(&triple);
-    Ok(command)
-}
-
-/// Builds `dist/tercio` and returns its path.
-///
-/// # Errors
-/// It does not build, is not static, or is too large.
-pub fn build() -> Result<PathBuf> {
-    run_command(&mut compilation()?)?;
-    let triple = host_triple()?;
+    run_command(
+        cargo()
+            .env("RUSTFLAGS", rustflags(&["-Ctarget-feature=+crt-static"]))
+            .args(["build", "--package", "tercio-cli", "--bin", "tercio", "--profile", "dist", "--target"])
+            .arg(&triple),
+    )?;
     let built = target_folder()?.join(&triple).join("dist/tercio");
     let content = fs::read(&built).with_context(|| format!("reading {}", built.display()))?;
     Needs::of(&content)?.check_static()?;

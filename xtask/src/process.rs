@@ -43,29 +43,6 @@ pub fn show(command: &Command) {
     eprintln!("{line}");
 }
 
-/// The same command, which leaves the processors to what else runs, if there is the program that sees to that.
-pub fn in_background(command: &Command) -> Command {
-    let mut changed = match find_program("nice") {
-        Some(nice) => {
-            let mut changed = Command::new(nice);
-            changed.args(["-n", "19"]).arg(command.get_program());
-            changed
-        }
-        None => Command::new(command.get_program()),
-    };
-    changed.args(command.get_args());
-    if let Some(folder) = command.get_current_dir() {
-        changed.current_dir(folder);
-    }
-    for (name, value) in command.get_envs() {
-        match value {
-            Some(value) => changed.env(name, value),
-            None => changed.env_remove(name),
-        };
-    }
-    changed
-}
-
 /// The command's file name without its folder.
 pub fn name(command: &Command) -> String {
     let program = Path::new(command.get_program());
@@ -122,22 +99,4 @@ pub fn find_program(program: &str) -> Option<PathBuf> {
 /// True for the superuser.
 pub fn is_root() -> bool {
     output(Command::new("id").arg("-u")).is_ok_and(|id| id.trim() == "0")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_command_in_the_background_does_the_same_at_the_lowest_priority() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let mut command = Command::new("sh");
-        command.args(["-c", "echo $0 $NAME $PATH; pwd; nice", "argument"]).current_dir(folder.path());
-        command.env("NAME", "value").env_remove("PATH");
-        let text = output(&mut in_background(&command)).expect("a shell");
-        let lines: Vec<_> = text.lines().collect();
-        assert!(lines[0].starts_with("argument value"), "{text}");
-        assert_eq!(Path::new(lines[1]).canonicalize().ok(), folder.path().canonicalize().ok());
-        assert_eq!(lines[2], if find_program("nice").is_some() { "19" } else { "0" });
-    }
 }

@@ -2,7 +2,6 @@
 
 use std::io::{self, BufRead as _, BufReader, Write};
 use std::process::{Command, ExitCode, Stdio};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
@@ -23,12 +22,6 @@ pub struct Arguments {
     /// Seconds for each fuzz target
     #[arg(long, default_value_t = 20)]
     fuzz_seconds: u64,
-}
-
-impl Arguments {
-    fn has(&self, step: Step) -> bool {
-        self.only.is_empty() || self.only.contains(&step)
-    }
 }
 
 /// A part of the suite.
@@ -57,7 +50,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     let mut total = Counts::default();
     let mut rows = Vec::new();
     for step in Step::value_variants().iter().copied() {
-        if !arguments.has(step) {
+        if !arguments.only.is_empty() && !arguments.only.contains(&step) {
             continue;
         }
         eprintln!("\n== {}", name(step));
@@ -67,7 +60,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             Step::Clippy => one(lint()),
             Step::Unit => tests(),
             Step::Mpi => mpi(),
-            Step::Fuzz => fuzz(Duration::from_secs(arguments.fuzz_seconds), arguments.has(Step::Dist)),
+            Step::Fuzz => fuzz::short_runs(Duration::from_secs(arguments.fuzz_seconds)),
             Step::Dist => static_binary(),
             Step::Counts => counts::compare().unwrap_or_else(|error| one(Err(error))),
         };
@@ -99,10 +92,8 @@ fn format() -> Result<()> {
     run_command(cargo().args(["fmt", "--check", "--manifest-path", "fuzz/Cargo.toml"]))
 }
 
-/// Arguments of clippy.
-const DENY: [&str; 3] = ["--", "-D", "warnings"];
-
 fn lint() -> Result<()> {
+    const DENY: [&str; 3] = ["--", "-D", "warnings"];
     run_command(cargo().args(["clippy", "--workspace", "--all-targets"]).args(DENY))?;
     run_command(fuzz::cargo_in_fuzz("clippy")?.args(DENY))
 }
@@ -126,8 +117,11 @@ fn mpi() -> Counts {
         return Counts { ignored: 1, ..Counts::default() };
     }
     let mut lints = cargo();
-    lints.args(["clippy", "--workspace", "--all-targets"]).args(FEATURES).args(DENY);
-    let mut counts = one(run_command(&mut lints));
+    lints
+        .args(["clippy", "--package", "tercio-mpi", "--package", "tercio-cli", "--package", "tercio-capi"])
+        .arg("--all-targets")
+        .args(FEATURES);
+    let mut counts = one(run_command(lints.args(["--", "-D", "warnings"])));
     // What the tests start, or compile C programs with.
     let mut examples = cargo();
     examples.args(["build", "--workspace", "--example", "wave", "--example", "tercio"]).args(FEATURES);
@@ -158,22 +152,6 @@ fn count_tests(command: &mut Command, shown: &mut impl Write) -> Result<Counts> 
         counts.failed += 1;
     }
     Ok(counts)
-}
-
-/// Runs the fuzz targets one after the other; what they leave of the processors compiles the static binary, whose last step, on all
-/// of its code, runs on one processor, too.
-fn fuzz(time: Duration, with_binary: bool) -> Counts {
-    thread::scope(|scope| {
-        let compile = || {
-            // The step that checks the binary says so again.
-            dist::compile_ahead().unwrap_or_else(|error| eprintln!("error: the static binary: {error:#}"));
-        };
-        fuzz::short_runs(time, || {
-            if with_binary {
-                scope.spawn(compile);
-            }
-        })
-    })
 }
 
 fn static_binary() -> Counts {

@@ -132,15 +132,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Fuzzes every target for a short time; each target is one check. `built` is called between building and running, which needs one
-/// processor only.
-pub fn short_runs(time: Duration, built: impl FnOnce()) -> Counts {
+/// Fuzzes every target for a short time; each target is one check.
+pub fn short_runs(time: Duration) -> Counts {
     let mut counts = Counts::default();
     let programs = build();
     if let Err(error) = &programs {
         eprintln!("error: {error:#}");
     }
-    built();
     for target in Target::value_variants() {
         let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, false));
         if let Some(Err(error)) = &result {
