@@ -385,7 +385,7 @@ mod tests {
         let send = Step::Send { to: 0, bytes: 100 };
         let programs = [vec![Step::Take { from: 1 }], vec![work(4e-3), send]];
         let end = |nap: f64, processors: usize| {
-            play(&programs, processors, Wires { noticed: Noticed::Polling(nap), ..AT_ONCE })[1].clone()
+            play(&programs, processors, Wires { noticed: Noticed::Polling(nap), ..AT_ONCE })[1]
         };
         // With a processor of its own, and where waking up takes no time, it takes none.
         assert!((end(20e-6, 2).end - 4e-3).abs() < 1e-12 && (end(0.0, 1).end - 4e-3).abs() < 1e-12);
