@@ -86,6 +86,62 @@ fn a_description_with_absurd_numbers_is_refused() {
     place
         .run("lab predict model.off --size 16x16 --machine absurd.toml")
         .failed(1, &["absurd.toml:", "processors.count: expected at most 1048576, found 99999999999"]);
+    let heaps = place.run("lab machines hybris-dual-cpu").ok_silently().text().to_string();
+    let many = heaps.replace("[heap.heaps]\nvalue = \"2\"", "[heap.heaps]\nvalue = \"1000000\"");
+    std::fs::write(place.path("heaps.toml"), many).unwrap();
+    place
+        .run("lab simulate hybris model.off --size 16x16 --machine heaps.toml")
+        .failed(1, &["heaps.toml:", "heap.heaps: expected at most 64, found 1000000"]);
+    // Work that costs nothing has no time.
+    let costs = ["\"60 cycles\"", "\"394 cycles\"", "\"23 cycles\""];
+    let free = costs.iter().fold(heaps, |text, cost| text.replace(cost, "\"0 cycles\""));
+    std::fs::write(place.path("free.toml"), free).unwrap();
+    place.run("lab predict model.off --size 16x16 --machine free.toml -n 1").failed(
+        1,
+        &["costs.polygon of more than 0 (found 0 cycles)", "costs.pixel of more than 0 (found 0 cycles)"],
+    );
+}
+
+/// One rule for all organisations.
+#[test]
+fn ranks_share_processors_only_if_that_is_asked_for() {
+    let place = Place::new();
+    let predict = |more: &str| place.run(&format!("lab predict model.off --size 64x64 {more}"));
+    for organisation in ["sort-first", "sort-middle", "sort-last", "sort-twice"] {
+        for (machine, most) in [("two-core-2026", 2), ("server-128", 128)] {
+            let ranks = most + 1;
+            predict(&format!("--machine {machine} -O {organisation} -n {ranks}"))
+                .failed(1, &[&format!("expected at most {most} processors, found {ranks}")]);
+        }
+        predict(&format!("-O {organisation} -n 2")).ok_silently();
+    }
+    predict("-O sort-last -n 256").failed(1, &["found 256; with --share-processors ranks share them"]);
+    let shared = predict("-O sort-last -n 3 --share-processors").ok_silently();
+    assert!(shared.text().starts_with("3 ranks that share 2 processors, sort-last"), "{}", shared.text());
+    let own = predict("-O sort-last -n 2 --share-processors").ok_silently();
+    assert!(own.text().starts_with("2 ranks, sort-last"), "{}", own.text());
+    predict("-O sort-middle -n 3 --share-processors")
+        .failed(1, &["the simulator gives each rank a processor (of the renderer's", "found 3"]);
+    predict("-n 2 --share-processors").failed(1, &["--share-processors is for ranks"]);
+    let one = predict("-n 1").ok_silently();
+    assert!(one.text().starts_with("1 thread\n"), "{}", one.text());
+}
+
+#[test]
+fn costs_that_a_description_lacks_are_named() {
+    let place = Place::new();
+    for command in ["predict builtin:soup@3k --size 64x64 -n 1", "advise builtin:soup@3k --size 64x64 -n 1"] {
+        let said = place.run(&format!("lab {command}"));
+        assert_eq!((said.code, said.stderr.lines().count()), (Some(0), 1), "{}", said.stderr);
+        let parts = [
+            "warning: Two cores of 2026: no costs of work in this picture, hidden-stamp (",
+            " times)",
+            "by 25 to 43 %",
+        ];
+        assert!(parts.iter().all(|part| said.stderr.contains(part)), "{}", said.stderr);
+        place.run(&format!("lab {command} --quiet")).ok_silently();
+    }
+    place.run("lab predict builtin:sphere@1k --size 64x64 -n 1").ok_silently();
 }
 
 #[test]

@@ -125,6 +125,11 @@ fn mistakes_are_reported() {
             .failed(1, &["costs.pixel, costs.composite-pixel"]);
     }
     sorting("good.boxes --processors 4096").failed(1, &["expected at most 2048 processors, found 4096"]);
+    // The usual group divides the ring, so that it takes no other class down with it.
+    let usual = sorting("good.boxes --processors 20").ok_silently();
+    let classes = ["sort-first ", "sort-middle ", "sort-last ", "sort-twice 10 "];
+    let has = |class: &&str| usual.text().lines().any(|line| line.starts_with(*class));
+    assert!(classes.iter().all(has), "{}", usual.text());
     sorting("good.boxes -O sort-twice -g 3")
         .failed(1, &["a group that divides the 1024 processors, found 3"]);
     place

@@ -10,6 +10,7 @@
 //! | [`predict`] | the real renderer: predicted, measured, compared; the best organisation for a machine |
 //! | [`experiments`] | one per published figure or table: data, plot, verdict; the report |
 //! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
+//! | [`words`] | words of texts |
 //!
 //! # Example
 //!
@@ -35,4 +36,5 @@ pub mod predict;
 pub mod published;
 pub mod simulators;
 pub mod units;
+pub mod words;
 pub mod workloads;

@@ -1,8 +1,10 @@
 //! Computed beside published numbers, and the verdict that follows.
 
+mod printed;
+
 use super::Verdict;
 use super::hidden::{Fit, common, in_words, number_and_half_digit};
-use crate::published::{self, Agreement, Basis, Standing, TableError, ToleranceSource};
+use crate::published::ToleranceSource;
 
 /// Where a computed number comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,15 +18,17 @@ enum Evidence {
 }
 
 /// Pairs of computed and published numbers, claims about shapes, and sweeps of inputs that are not stated. The verdict is
-/// derived from them.
+/// derived from them: by what there is, never by how much of it.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
     pairs: Vec<Pair>,
     claims: Vec<(String, bool)>,
     /// Alternatives: of the sweeps of one group at least one has to meet print.
     fits: Vec<Vec<Fit>>,
-    /// Printed numbers that a correct computation contradicts, with our reading of why.
+    /// Printed numbers that a correct computation contradicts, each once, with our reading of why.
     contradicted: Vec<String>,
+    /// Other forms of printed numbers that agree: an equation as it is printed, another input.
+    other_forms: Vec<String>,
     /// Numbers without a print.
     not_printed: usize,
     /// Readings of the scan.
@@ -80,6 +84,11 @@ impl Comparison {
         self.push(name.into(), [ours, published, tolerance], from, Evidence::Input);
     }
 
+    /// Adds printed numbers that are measurements, read and not computed.
+    pub fn add_read(&mut self, numbers: usize) {
+        self.read += numbers;
+    }
+
     fn push(&mut self, name: String, numbers: [f64; 3], from: ToleranceSource, evidence: Evidence) {
         let [ours, published, tolerance] = numbers;
         self.pairs.push(Pair { name, ours, published, tolerance, from, evidence });
@@ -109,22 +118,20 @@ impl Comparison {
         }
     }
 
-    /// Whether all numbers are within their tolerances, all claims hold and all sweeps meet print; false if there is
-    /// nothing to compare.
+    /// Whether nothing disagrees: all numbers are within their tolerances, no print is contradicted, all claims hold and all
+    /// sweeps meet print; false if there is nothing to compare.
     pub fn agrees(&self) -> bool {
-        let numbers = self.pairs.len() + self.not_printed + self.read + self.contradicted.len();
-        let some = numbers + self.claims.len() + self.fits.len() > 0;
-        some && self.pairs.iter().all(Pair::agrees)
-            && self.claims.iter().all(|c| c.1)
-            && self.fits.iter().all(|readings| readings.iter().any(|f| !f.intervals().is_empty()))
-            && self.inputs().iter().all(|(_, numbers, intervals)| *numbers < 2 || !intervals.is_empty())
+        let numbers = self.pairs.len() + self.not_printed + self.read;
+        numbers + self.claims.len() + self.fits.len() > 0 && self.failing().is_empty()
     }
 
     /// The swept inputs, how many numbers each has to explain, and the intervals in which it explains all of them.
-    /// Numbers with several meanings stand for themselves.
+    /// Numbers with several meanings stand for themselves, and so do all of an input that does not give one of them.
     fn inputs(&self) -> Vec<(&'static str, usize, Vec<[f64; 2]>)> {
         let mut all: Vec<(&'static str, usize, Vec<[f64; 2]>)> = Vec::new();
-        for fit in self.fits.iter().filter(|readings| readings.len() == 1).flatten() {
+        let alone = || self.fits.iter().filter(|readings| readings.len() == 1).flatten();
+        let gives_each = |input| alone().all(|fit| fit.input != input || fit.meets());
+        for fit in alone().filter(|fit| gives_each(fit.input)) {
             let intervals = fit.intervals();
             match all.iter_mut().find(|i| i.0 == fit.input) {
                 Some(known) => {
@@ -137,29 +144,32 @@ impl Comparison {
         all
     }
 
-    /// The verdict: contradicted if something does not agree, or if no fewer printed numbers are contradicted than agree;
-    /// otherwise by what was compared.
+    /// The verdict. Whatever does not agree makes it contradicted, or contradicted in part if a printed number agrees;
+    /// otherwise it follows from what was compared.
     pub fn verdict(&self) -> Verdict {
         let has = |evidence| self.pairs.iter().any(|p| p.evidence == evidence);
-        if !self.agrees() || self.is_outnumbered() {
+        if !self.agrees() {
             return self.contradicted();
         }
-        let within = self.within();
+        let found = self.found();
         if let Some(correction) = &self.correction {
-            return Verdict::ReproducedAfterCorrection { within, correction: correction.clone() };
+            return Verdict::ReproducedAfterCorrection { found, correction: correction.clone() };
         }
         if !self.fits.is_empty() {
             return self.qualitative("Inputs are not stated.");
         }
         // A verdict is no better than the weakest of its numbers.
         if has(Evidence::Formula) {
-            Verdict::Restated { within }
+            Verdict::Restated { found }
         } else if has(Evidence::Independent) {
-            Verdict::Reproduced { within }
+            Verdict::Reproduced { found }
         } else if has(Evidence::Input) {
-            Verdict::ByConstruction { within }
+            Verdict::ByConstruction { found }
+        } else if !self.claims.is_empty() {
+            self.qualitative("What is said or drawn is compared, and no number.")
         } else {
-            self.qualitative("No numbers are printed.")
+            let beside = format!("{} numbers that the document does not print.", self.not_printed);
+            Verdict::None { why: "Nothing that is printed is computed here.".into(), beside }
         }
     }
 
@@ -170,74 +180,85 @@ impl Comparison {
 
     /// Qualitative, for the reason `why`, whatever fails: what is compared is no print, but a model of ours.
     pub fn of_our_model(&self, why: impl Into<String>) -> Verdict {
-        let (agrees, fails) = (self.within(), sentence(&self.failing()));
-        Verdict::Qualitative { why: why.into(), agrees, fails }
+        Verdict::Qualitative { why: why.into(), found: self.found() }
     }
 
-    /// Contradicted: what fails comes first.
+    /// Contradicted, in part if a printed number agrees that is not an input's choice. Shapes that agree, and sweeps, do not
+    /// soften it.
     fn contradicted(&self) -> Verdict {
-        let parts =
-            [("not so: ", self.failing()), ("", self.contradicting()), ("what agrees: ", self.agreeing())];
+        let some = self.pairs.iter().any(|p| p.agrees() && p.evidence != Evidence::Input);
+        let found = self.found();
+        if found.is_empty() {
+            Verdict::Contradicted { found: "Nothing was compared.".into() }
+        } else if some {
+            Verdict::ContradictedInPart { found }
+        } else {
+            Verdict::Contradicted { found }
+        }
+    }
+
+    /// Everything that was found, under what it is: what does not agree first, and nothing under two heads.
+    fn found(&self) -> String {
+        let numbers = |count: usize| match count {
+            0 => Vec::new(),
+            1 => vec!["1 number".to_owned()],
+            _ => vec![format!("{count} numbers")],
+        };
+        let parts = [
+            ("Does not agree", self.failing()),
+            ("Agrees", self.agreeing()),
+            ("Does not give print in another form or reading", self.others()),
+            ("Not printed", numbers(self.not_printed)),
+            ("Read from the scan, not computed", numbers(self.read)),
+        ];
         let said = parts.iter().filter(|part| !part.1.is_empty());
-        let said: Vec<_> = said.map(|(head, part)| format!("{head}{}", part.join("; "))).collect();
-        let why = if said.is_empty() { "Nothing was compared.".into() } else { sentence(&said) };
-        Verdict::Contradicted { why }
+        let said: Vec<_> = said.map(|(head, part)| format!("{head}: {}.", part.join("; "))).collect();
+        said.join(" ")
     }
 
-    /// What holds, printed numbers that are contradicted included.
-    fn within(&self) -> String {
-        sentence(&[self.agreeing(), self.contradicting()].concat())
-    }
-
-    /// Whether no fewer printed numbers are contradicted than agree.
-    fn is_outnumbered(&self) -> bool {
-        !self.contradicted.is_empty() && self.contradicted.len() >= self.pairs.len()
-    }
-
-    /// What fails: claims that do not hold, numbers beyond their tolerances, sweeps that do not meet print.
+    /// What fails: claims that do not hold, numbers beyond their tolerances, prints that are contradicted, sweeps that do not
+    /// meet print.
     fn failing(&self) -> Vec<String> {
         let mut parts: Vec<_> = self.claims.iter().filter(|c| !c.1).map(|c| c.0.clone()).collect();
-        let missing: Vec<_> = self.pairs.iter().filter(|p| !p.agrees()).map(Pair::miss).collect();
-        if !missing.is_empty() {
-            let all = self.pairs.len();
-            parts.push(format!("{} of {all} numbers miss: {}", missing.len(), missing.join("; ")));
-        }
-        let misses = |readings: &&Vec<Fit>| readings.iter().all(|fit| fit.intervals().is_empty());
+        parts.extend(self.pairs.iter().filter(|p| !p.agrees()).map(Pair::miss));
+        parts.extend(self.contradicted.iter().cloned());
+        let misses = |readings: &&Vec<Fit>| readings.iter().all(|fit| !fit.meets());
         parts.extend(self.fits.iter().filter(misses).flatten().map(Fit::text));
         for (input, numbers, intervals) in self.inputs() {
             if numbers > 1 && intervals.is_empty() {
-                parts.push(format!("no {input} gives all {numbers} numbers"));
+                let of = self.fits.iter().flatten().filter(|fit| fit.input == input && fit.meets());
+                let each: Vec<_> = of.map(Fit::text).collect();
+                parts.push(format!("no {input} gives all {numbers} numbers ({})", each.join(", but ")));
             }
         }
         parts
-    }
-
-    /// The printed numbers that a correct computation contradicts.
-    fn contradicting(&self) -> Vec<String> {
-        let all = self.contradicted.join(" ");
-        let words = || format!("printed numbers that are contradicted: {}", all.trim_end_matches('.'));
-        if self.contradicted.is_empty() { Vec::new() } else { vec![words()] }
     }
 
     /// What holds.
     fn agreeing(&self) -> Vec<String> {
         let mut parts = self.words_of_numbers();
-        for (count, what) in
-            [(self.not_printed, "not printed"), (self.read, "read from the scan, not computed")]
-        {
-            if count > 0 {
-                parts.push(format!("{count} numbers are {what}"));
-            }
-        }
-        let meets = |readings: &&Vec<Fit>| readings.iter().any(|fit| !fit.intervals().is_empty());
-        parts.extend(self.fits.iter().filter(meets).flatten().map(Fit::text));
-        for (input, numbers, intervals) in self.inputs() {
-            if numbers > 1 && !intervals.is_empty() {
-                parts.push(format!("{input} of {} gives all {numbers} numbers", in_words(&intervals)));
+        let inputs = self.inputs();
+        let alone = |input| {
+            inputs.iter().any(|(i, numbers, common)| *i == input && *numbers > 1 && common.is_empty())
+        };
+        // Where numbers have no input in common, none of them is met.
+        let met = |readings: &Vec<Fit>| readings.len() > 1 || !readings.iter().any(|fit| alone(fit.input));
+        let fits = self.fits.iter().filter(|readings| met(readings)).flatten();
+        parts.extend(fits.filter(|fit| fit.meets()).map(Fit::text));
+        for (input, numbers, intervals) in &inputs {
+            if *numbers > 1 && !intervals.is_empty() {
+                parts.push(format!("{input} of {} gives all {numbers} numbers", in_words(intervals)));
             }
         }
         parts.extend(self.claims.iter().filter(|c| c.1).map(|c| c.0.clone()));
         parts
+    }
+
+    /// Forms and readings that do not give a print which another one gives.
+    fn others(&self) -> Vec<String> {
+        let of_met = self.fits.iter().filter(|readings| readings.iter().any(Fit::meets)).flatten();
+        let sweeps = of_met.filter(|fit| !fit.meets()).map(Fit::text);
+        self.other_forms.iter().cloned().chain(sweeps).collect()
     }
 
     /// The pairs that agree, by evidence, their largest deviation, and where their tolerances come from; empty if none does.
@@ -259,62 +280,9 @@ impl Comparison {
         let words = worst.map(|worst| {
             let (off, at) = (100.0 * relative(worst), &worst.name);
             let (kinds, sources) = (kinds.join(", "), sources.join(", "));
-            format!("{kinds} numbers agree; largest deviation {off:.2} % at {at}; tolerances: {sources}")
+            format!("{kinds} (largest deviation {off:.2} % at {at}; tolerances: {sources})")
         });
         words.into_iter().collect()
-    }
-
-    /// Compares the published numbers whose names begin with one of `prefixes`, or are `E5.9` for `E5.9=`: printed ones
-    /// with the print, ours counting as the document's formula unless the row is counted or simulated; contradicted ones
-    /// and those without a print are listed.
-    ///
-    /// # Errors
-    /// The table has a mistake.
-    pub fn of_published(prefixes: &[&str]) -> Result<Self, TableError> {
-        let mut comparison = Self::new();
-        for number in published::numbers()?.into_iter().filter(|n| is_named(&n.id, prefixes)) {
-            let check = published::check(number);
-            let number = &check.number;
-            let id = number.id.clone();
-            match check.agreement() {
-                Agreement::NotPrinted => comparison.not_printed += 1,
-                Agreement::Read => comparison.read += 1,
-                Agreement::Unexplained => comparison.claim(id, false),
-                Agreement::ContradictsPrint => {
-                    let why = number.why.as_deref().unwrap_or_default();
-                    comparison.contradicted.push(format!("{id}: {why}"));
-                }
-                Agreement::AgreesWithPrint => {
-                    let evidence = if number.basis == Basis::Counted {
-                        Evidence::Independent
-                    } else {
-                        Evidence::Formula
-                    };
-                    // Lists agree as a whole, and stand for one number.
-                    let of = |value: Option<&crate::models::registry::Value>| {
-                        value.and_then(crate::models::registry::Value::as_number).unwrap_or(0.0)
-                    };
-                    let numbers = [of(check.ours.as_ref().ok()), of(check.print()), number.tolerance];
-                    let from = number.tolerance_source().unwrap_or(ToleranceSource::Exact);
-                    comparison.push(id, numbers, from, evidence);
-                }
-            }
-        }
-        Ok(comparison)
-    }
-
-    /// The verdict for [`Comparison::of_published`]: after `correction` if one of the numbers had to be restored or is
-    /// contradicted by its own document.
-    ///
-    /// # Errors
-    /// The table has a mistake.
-    pub fn verdict_of_published(prefixes: &[&str], correction: &str) -> Result<Verdict, TableError> {
-        let mut comparison = Self::of_published(prefixes)?;
-        let corrected = published::numbers()?.into_iter().any(|n| {
-            is_named(&n.id, prefixes) && matches!(n.standing, Standing::Restored | Standing::Contradicted)
-        });
-        comparison.correct(correction, corrected);
-        Ok(comparison.verdict())
     }
 }
 
@@ -335,11 +303,6 @@ impl Pair {
         let Self { name, ours, published, tolerance, from, .. } = self;
         format!("{name}: ours {ours}, published {published} ± {tolerance} ({})", from.text())
     }
-}
-
-/// Parts of a sentence; empty if there are none.
-fn sentence(parts: &[String]) -> String {
-    if parts.is_empty() { String::new() } else { format!("{}.", parts.join("; ")) }
 }
 
 #[cfg(test)]

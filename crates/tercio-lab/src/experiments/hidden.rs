@@ -7,8 +7,8 @@ pub struct Fit {
     pub number: String,
     /// The input, with its unit: `deviation of the columns`.
     pub input: &'static str,
-    /// The printed number, and half a unit of its last digit.
-    print: (f64, f64),
+    /// The least and the greatest number that is what is printed.
+    print: [f64; 2],
     /// The swept values of the input, rising, and ours.
     points: Vec<(f64, f64)>,
 }
@@ -23,16 +23,31 @@ impl Fit {
         number: impl Into<String>,
         input: &'static str,
         printed: &str,
+        points: Vec<(f64, f64)>,
+    ) -> Self {
+        let (print, half) = number_and_half_digit(printed);
+        Self::within(number, input, [print - half, print + half], points)
+    }
+
+    /// A sweep whose print is a range: "at least", "up to twice".
+    pub fn within(
+        number: impl Into<String>,
+        input: &'static str,
+        print: [f64; 2],
         mut points: Vec<(f64, f64)>,
     ) -> Self {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { number: number.into(), input, print: number_and_half_digit(printed), points }
+        Self { number: number.into(), input, print, points }
+    }
+
+    /// Whether some value of the input gives print.
+    pub fn meets(&self) -> bool {
+        !self.intervals().is_empty()
     }
 
     /// The intervals of the input in which ours is the printed number; straight lines between the points of the sweep.
     pub fn intervals(&self) -> Vec<[f64; 2]> {
-        let (print, half) = self.print;
-        let (low, high) = (print - half, print + half);
+        let [low, high] = self.print;
         let mut all: Vec<[f64; 2]> = Vec::new();
         for pair in self.points.windows(2) {
             let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
@@ -132,6 +147,14 @@ mod tests {
         assert_eq!(bump("10").intervals().len(), 1);
         assert!(bump("11").intervals().is_empty());
         assert!(bump("11").text().contains("no x from 0 to 2"), "{}", bump("11").text());
+    }
+
+    #[test]
+    fn a_range_may_be_open() {
+        let points = vec![(0.0, 0.0), (10.0, 20.0), (20.0, 0.0), (30.0, 0.0)];
+        let fit = Fit::within("it", "x", [10.0, f64::INFINITY], points.clone());
+        assert_eq!(fit.intervals(), [[5.0, 15.0]]);
+        assert!(!Fit::within("it", "x", [21.0, f64::INFINITY], points).meets());
     }
 
     #[test]

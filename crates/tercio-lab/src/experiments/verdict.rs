@@ -9,41 +9,44 @@ use serde::Serialize;
 pub enum Verdict {
     /// Something other than the document's own formula gives the printed numbers: a simulation, a count, brute force.
     Reproduced {
-        /// How closely.
-        within: String,
+        /// What agrees, and how closely.
+        found: String,
     },
-    /// The printed numbers follow after a mistake in the document or the scan is corrected.
+    /// The printed numbers follow after a mistake in the document or the scan is corrected, and not before.
     ReproducedAfterCorrection {
-        /// How closely.
-        within: String,
+        /// What agrees, and how closely.
+        found: String,
         /// What was corrected, and why.
         correction: String,
     },
     /// The document's own formula, evaluated with the document's own inputs, gives the printed numbers. That shows
     /// that the formula is read as it was meant, and nothing more.
     Restated {
-        /// How closely.
-        within: String,
+        /// What agrees, and how closely.
+        found: String,
     },
     /// An input was chosen so that the printed numbers come out.
     ByConstruction {
-        /// How closely.
-        within: String,
+        /// What agrees, and how closely.
+        found: String,
     },
     /// Only the shape can be compared, or a number with an input that the document does not state.
     Qualitative {
         /// Why: the scene is lost, an input is not stated.
         why: String,
-        /// The properties of the shape that agree, measured, and which inputs give the printed numbers.
-        agrees: String,
-        /// What does not agree, of a model that is ours and not the document's; otherwise empty.
-        #[serde(skip_serializing_if = "String::is_empty")]
-        fails: String,
+        /// The properties of the shape that agree, measured, and which inputs give the printed numbers; what does not agree
+        /// only of a model that is ours and not the document's.
+        found: String,
     },
-    /// Our values do not agree.
+    /// Some printed numbers agree, and something else that is printed does not.
+    ContradictedInPart {
+        /// What does not agree, where and by how much; then what does.
+        found: String,
+    },
+    /// What is printed does not agree, and no printed number does.
     Contradicted {
         /// Where and by how much.
-        why: String,
+        found: String,
     },
     /// No verdict: what is published does not determine whether our values are right, so that ours stand beside it.
     None {
@@ -55,12 +58,13 @@ pub enum Verdict {
 }
 
 /// The names of all verdicts, in the order of a summary.
-const NAMES: [&str; 7] = [
+const NAMES: [&str; 8] = [
     "reproduced",
     "reproduced after correction",
     "restated",
     "by construction",
     "qualitative",
+    "contradicted in part",
     "contradicted",
     "no verdict",
 ];
@@ -83,6 +87,7 @@ impl Verdict {
             Self::Restated { .. } => "restated",
             Self::ByConstruction { .. } => "by construction",
             Self::Qualitative { .. } => "qualitative",
+            Self::ContradictedInPart { .. } => "contradicted in part",
             Self::Contradicted { .. } => "contradicted",
             Self::None { .. } => "no verdict",
         }
@@ -91,28 +96,18 @@ impl Verdict {
     /// The verdict in sentences.
     pub fn text(&self) -> String {
         match self {
-            Self::Reproduced { within } => capitalized(within),
-            Self::ReproducedAfterCorrection { within, correction } => {
-                format!("{} Corrected: {correction}", capitalized(within))
+            Self::Reproduced { found }
+            | Self::Contradicted { found }
+            | Self::ContradictedInPart { found } => found.clone(),
+            Self::ReproducedAfterCorrection { found, correction } => {
+                format!("{found} Corrected: {correction}")
             }
-            Self::Restated { within } => format!("The same formulas, evaluated. {}", capitalized(within)),
-            Self::ByConstruction { within } => {
-                format!("An input was chosen so that this comes out. {}", capitalized(within))
-            }
-            Self::Qualitative { why, agrees, fails } => {
-                let parts = [("Not so: ", fails), ("What agrees: ", agrees)];
-                let said = parts.iter().filter(|part| !part.1.is_empty());
-                said.fold(why.clone(), |text, (head, part)| format!("{text} {head}{part}"))
-            }
-            Self::Contradicted { why } => capitalized(why),
+            Self::Restated { found } => format!("The same formulas, evaluated. {found}"),
+            Self::ByConstruction { found } => format!("An input was chosen so that this comes out. {found}"),
+            Self::Qualitative { why, found } => format!("{why} {found}"),
             Self::None { why, beside } => format!("{why} Ours: {beside}"),
         }
     }
-}
-
-fn capitalized(sentence: &str) -> String {
-    let mut letters = sentence.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]
@@ -120,30 +115,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_fails_is_not_among_what_agrees() {
-        let text = |agrees: &str, fails: &str| {
-            let (agrees, fails) = (agrees.to_owned(), fails.to_owned());
-            Verdict::Qualitative { why: "It is ours.".into(), agrees, fails }.text()
-        };
-        assert_eq!(text("a; b.", ""), "It is ours. What agrees: a; b.");
-        assert_eq!(text("b.", "a."), "It is ours. Not so: a. What agrees: b.");
-        assert_eq!(text("", "a."), "It is ours. Not so: a.");
-    }
-
-    #[test]
     fn a_summary_counts_every_experiment_once() {
         let words = String::new;
         let all = [
-            Verdict::Reproduced { within: words() },
-            Verdict::ReproducedAfterCorrection { within: words(), correction: words() },
-            Verdict::Restated { within: words() },
-            Verdict::ByConstruction { within: words() },
-            Verdict::Qualitative { why: words(), agrees: words(), fails: words() },
-            Verdict::Contradicted { why: words() },
+            Verdict::Reproduced { found: words() },
+            Verdict::ReproducedAfterCorrection { found: words(), correction: words() },
+            Verdict::Restated { found: words() },
+            Verdict::ByConstruction { found: words() },
+            Verdict::Qualitative { why: words(), found: words() },
+            Verdict::ContradictedInPart { found: words() },
+            Verdict::Contradicted { found: words() },
             Verdict::None { why: words(), beside: words() },
         ];
-        assert_eq!(NAMES, std::array::from_fn::<_, 7, _>(|k| all[k].name()));
-        let some = [Some(&all[0]), Some(&all[6]), None, Some(&all[0])];
+        assert_eq!(NAMES, std::array::from_fn::<_, 8, _>(|k| all[k].name()));
+        let some = [Some(&all[0]), Some(&all[7]), None, Some(&all[0])];
         assert_eq!(summary(some.into_iter()), "Of 4 experiments: 2 reproduced, 1 no verdict, 1 failed.");
     }
 }

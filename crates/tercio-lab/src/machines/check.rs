@@ -64,8 +64,20 @@ const MOST_BYTES: f64 = (1u64 << 30) as f64;
 const MOST_CYCLES: f64 = 1e6;
 /// The most cycles of the engines' stages, which are simulated cycle by cycle.
 const MOST_ENGINE_CYCLES: f64 = 1e4;
-/// The most seconds of an operation.
+/// The most seconds of an operation, a message, a hop, or waking up.
 const MOST_SECONDS: f64 = 1e3;
+/// The least and the most cycles a second of a clock.
+const CLOCKS: [f64; 2] = [1.0, 1e12];
+/// The least and the most bytes a second of a link or a memory.
+const BANDWIDTHS: [f64; 2] = [1.0, 1e15];
+/// The most bytes of a memory or cache.
+const MOST_MEMORY: f64 = (1u64 << 50) as f64;
+/// The most heaps: each has a list for every tile.
+const MOST_HEAPS: f64 = 64.0;
+/// The most tile engines: if they composite, each looks at every tile.
+const MOST_ENGINES: f64 = 1024.0;
+/// The largest share by which a number may be off.
+const MOST_OFF: f64 = 1e3;
 
 fn at_most<Q>(
     section: &'static str,
@@ -80,6 +92,44 @@ fn at_most<Q>(
         }
         _ => Ok(()),
     }
+}
+
+/// A number that is neither so small nor so large that times which are divided by it say nothing.
+fn within<Q>(
+    section: &'static str,
+    key: &str,
+    number: Option<&Sourced<Q>>,
+    [least, most]: [f64; 2],
+    unit: &str,
+) -> Result<(), Wrong> {
+    match number {
+        Some(n) if n.value < least => {
+            Err(Wrong::new(section, key, format!("expected at least {least}{unit}, found {}", n.text)))
+        }
+        _ => at_most(section, key, number, most, unit),
+    }
+}
+
+/// Numbers that times are made of: clock, bandwidths, times of messages, and caches.
+fn speeds(m: &Machine) -> Result<(), Wrong> {
+    let p = &m.processors;
+    within("processors", "clock", p.clock.as_ref(), CLOCKS, " Hz")?;
+    within("processors", "memory-bandwidth", p.memory_bandwidth.as_ref(), BANDWIDTHS, " B/s")?;
+    at_most("processors", "wake-up", p.wake_up.as_ref(), MOST_SECONDS, " s")?;
+    for (key, bytes) in
+        [("memory", &p.memory), ("own-cache", &p.own_cache), ("shared-cache", &p.shared_cache)]
+    {
+        at_most("processors", key, bytes.as_ref(), MOST_MEMORY, " B")?;
+    }
+    for (section, network) in [("network", &m.network), ("node", &m.node), ("mpi", &m.mpi)] {
+        let Some(network) = network else { continue };
+        within(section, "bandwidth", Some(&network.bandwidth), BANDWIDTHS, " B/s")?;
+        at_most(section, "hop", Some(&network.hop), MOST_SECONDS, " s")?;
+        at_most(section, "message", Some(&network.message), MOST_SECONDS, " s")?;
+    }
+    let Some(transfer) = &m.transfer else { return Ok(()) };
+    within("transfer", "bandwidth", Some(&transfer.bandwidth), BANDWIDTHS, " B/s")?;
+    at_most("transfer", "overhead", Some(&transfer.overhead), MOST_SECONDS, " s")
 }
 
 /// Numbers whose sums the simulators count in 64 bits, or cycle by cycle.
@@ -112,11 +162,10 @@ fn sizes(m: &Machine) -> Result<(), Wrong> {
 pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
     counts(m)?;
     sizes(m)?;
+    speeds(m)?;
     let p = &m.processors;
     positive("processors", "count", Some(&p.count))?;
-    positive("processors", "clock", p.clock.as_ref())?;
     positive("processors", "per-node", p.per_node.as_ref())?;
-    positive("processors", "memory-bandwidth", p.memory_bandwidth.as_ref())?;
     if let Some(s) = p.serial.as_ref().filter(|s| s.value > 1.0) {
         return Err(Wrong::new("processors", "serial", format!("expected at most 100 %, found {s}")));
     }
@@ -125,9 +174,6 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
         positive("screen", "width", Some(&screen.width))?;
         positive("screen", "height", Some(&screen.height))?;
     }
-    positive("network", "bandwidth", m.network.as_ref().map(|n| &n.bandwidth))?;
-    positive("mpi", "bandwidth", m.mpi.as_ref().map(|n| &n.bandwidth))?;
-    positive("transfer", "bandwidth", m.transfer.as_ref().map(|t| &t.bandwidth))?;
     positive("transfer", "block", m.transfer.as_ref().map(|t| &t.block))?;
     positive("sdram", "page", m.sdram.as_ref().map(|s| &s.page))?;
     positive("sdram", "banks", m.sdram.as_ref().map(|s| &s.banks))?;
@@ -158,18 +204,14 @@ fn counts(m: &Machine) -> Result<(), Wrong> {
     }
     simulated("screen", "width", m.screen.as_ref().map(|s| &s.width))?;
     simulated("screen", "height", m.screen.as_ref().map(|s| &s.height))?;
-    simulated("heap", "heaps", m.heap.as_ref().map(|h| &h.heaps))?;
+    at_most("heap", "heaps", m.heap.as_ref().map(|h| &h.heaps), MOST_HEAPS, "")?;
     simulated("sdram", "banks", m.sdram.as_ref().map(|s| &s.banks))?;
     if let Some(e) = &m.tile_engine {
-        let counts = [
-            ("engines", &e.engines),
-            ("fifo", &e.fifo),
-            ("fifo-after-broadcast", &e.fifo_after_broadcast),
-            ("output", &e.output),
-        ];
+        at_most("tile-engine", "engines", Some(&e.engines), MOST_ENGINES, "")?;
+        let counts =
+            [("fifo", &e.fifo), ("fifo-after-broadcast", &e.fifo_after_broadcast), ("output", &e.output)];
         counts.iter().try_for_each(|(key, count)| simulated("tile-engine", key, Some(count)))?;
     }
-    positive("node", "bandwidth", m.node.as_ref().map(|n| &n.bandwidth))?;
     match (&p.per_node, &m.node) {
         (Some(_), None) => Err(Wrong::new(
             "processors",
@@ -192,6 +234,15 @@ fn uncertainty(m: &Machine) -> Result<(), Wrong> {
         let what = format!("expected the name of a built-in machine, found {name}");
         return Err(Wrong::new("uncertainty", "costs-of", what));
     }
+    let off = [
+        ("residual", &of.residual),
+        ("costs", &of.costs),
+        ("memory-bandwidth", &of.memory_bandwidth),
+        ("network-bandwidth", &of.network_bandwidth),
+        ("message", &of.message),
+        ("wake-up", &of.wake_up),
+    ];
+    off.iter().try_for_each(|(key, ratio)| at_most("uncertainty", key, ratio.as_ref(), MOST_OFF, ""))?;
     let least = m.processors.serial.as_ref().map_or(0.0, |s| s.value);
     match &of.serial {
         Some(s) if s.value > 1.0 || s.value < least => {

@@ -119,6 +119,10 @@ pub struct Processors {
     /// Time from the beginning of a frame until the other processors take part; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wake_up: Option<Sourced<Seconds>>,
+    /// Processor time of a short sleep and of waking up from it, which a process that polls for a message takes from one that works
+    /// on the same processor; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nap: Option<Sourced<Seconds>>,
 }
 
 /// The screen.
@@ -217,6 +221,12 @@ impl Machine {
         p.at_most.as_ref().map_or(p.count.whole(), |most| most.whole().max(p.count.whole()))
     }
 
+    /// The processors of the machine if `wanted` are: more than are described, as far as it may have them.
+    pub fn processors_for(&self, wanted: usize) -> usize {
+        let [described, most] = [self.processors.count.whole(), self.most_processors()];
+        (wanted as u64).clamp(described, most) as usize
+    }
+
     /// The largest number of processors that share a memory: those of a node. Processors of a SIMD machine have one each.
     pub fn most_threads(&self) -> u64 {
         if self.processors.control == Control::Simd {
@@ -246,15 +256,19 @@ impl Machine {
         self.at_most("processors that share a memory", self.most_threads(), processors)
     }
 
-    /// Checks that one operation of each kind of work has a cost, which may be 0.
+    /// Checks that one operation of each kind of work has a cost of more than 0.
     ///
     /// # Errors
     /// [`MachineError::Missing`] with the names of the costs of all kinds of work that have none.
     pub fn need_costs(&self, kinds: &[&[Operation]]) -> Result<(), MachineError> {
-        let without = kinds.iter().filter(|kind| kind.iter().all(|o| !self.costs.contains_key(o)));
-        let names = without
-            .map(|kind| kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or "));
-        let names: Vec<_> = names.collect();
+        let is_free = |o: &Operation| self.costs.get(o).is_none_or(|cost| cost.value == 0.0);
+        let without = kinds.iter().filter(|kind| kind.iter().all(is_free));
+        let name = |o: &Operation| match self.costs.get(o) {
+            Some(cost) => format!("costs.{} of more than 0 (found {cost})", o.name()),
+            None => format!("costs.{}", o.name()),
+        };
+        let names: Vec<_> =
+            without.map(|kind| kind.iter().map(name).collect::<Vec<_>>().join(" or ")).collect();
         self.need(names.is_empty().then_some(&()), &names.join(", ")).copied()
     }
 

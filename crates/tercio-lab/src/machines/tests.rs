@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+
 use super::*;
 use crate::units::BytesPerSecond;
 
@@ -83,8 +85,60 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(none.starts_with("m.toml:16:1: uncertainty.costs-of") && none.contains("found nobody"), "{none}");
     let serial = error("[costs]", "[uncertainty]\nserial = { value = \"101 %\", source = \"x\" }\n[costs]");
     assert!(serial.starts_with("m.toml:16:1: uncertainty.serial: expected at least"), "{serial}");
+    let clock = error("100 MHz", "1e300 MHz");
+    assert!(
+        clock.starts_with("m.toml:13:1: processors.clock: expected at most 1000000000000 Hz, found 1e300"),
+        "{clock}"
+    );
+    let slow = error("100 MHz", "1e-300 Hz");
+    assert!(
+        slow.starts_with("m.toml:13:1: processors.clock: expected at least 1 Hz, found 1e-300"),
+        "{slow}"
+    );
+    let off = error("[costs]", "[uncertainty]\ncosts = { value = \"1e300\", source = \"x\" }\n[costs]");
+    assert!(off.starts_with("m.toml:16:1: uncertainty.costs: expected at most 1000, found 1e300"), "{off}");
     let broken = error("[costs]", "[costs");
     assert!(broken.starts_with("m.toml:15:"), "{broken}");
+}
+
+/// Of every number that times are divided by, or that memory and time of a simulation grow with, one that no machine has.
+#[test]
+fn numbers_that_no_machine_has_are_refused() {
+    let text = builtin("hybris-dual-cpu").unwrap().unwrap().to_toml().unwrap();
+    let refused = |text: &str, section: &str, key: &str, value: &str, expected: &str| {
+        let head = format!("[{section}.{key}]\nvalue = \"");
+        let (before, after) = text.split_once(&head).unwrap_or_else(|| panic!("{section}.{key} in {text}"));
+        let (old, rest) = after.split_once('"').unwrap();
+        let error = parse("m.toml", &format!("{before}{head}{value}\"{rest}")).unwrap_err().to_string();
+        let line = before.lines().count() + 1;
+        let all = format!("m.toml:{line}:1: {section}.{key}: expected {expected}, found {value}");
+        assert_eq!(error, all, "instead of {old}");
+    };
+    refused(&text, "heap", "heaps", "1000000", "at most 64");
+    refused(&text, "tile-engine", "engines", "1000000", "at most 1024");
+    let text = builtin("cluster-64").unwrap().unwrap().to_toml().unwrap();
+    for section in ["network", "node"] {
+        refused(&text, section, "bandwidth", "1e300 B/s", "at most 1000000000000000 B/s");
+        refused(&text, section, "bandwidth", "1e-300 B/s", "at least 1 B/s");
+        refused(&text, section, "message", "1e300 s", "at most 1000 s");
+        refused(&text, section, "hop", "1e300 s", "at most 1000 s");
+    }
+    refused(&text, "processors", "wake-up", "1e300 s", "at most 1000 s");
+    refused(&text, "processors", "own-cache", "1e300 B", "at most 1125899906842624 B");
+}
+
+/// Costs of 0 are as good as none, and are named with what was found.
+#[test]
+fn work_that_costs_nothing_is_refused() {
+    let free = parse("m.toml", &SMALL.replace("21 cycles", "0 cycles").replace("300 ns", "0 ns")).unwrap();
+    let error = free.need_costs(&[&[Operation::Pixel, Operation::Stamp], &[Operation::Vertex]]).unwrap_err();
+    assert!(
+        error.to_string().ends_with(
+            "costs.pixel of more than 0 (found 0 cycles) or costs.stamp, costs.vertex of more than 0 (found 0 ns)"
+        ),
+        "{error}"
+    );
+    assert!(parse("m.toml", SMALL).unwrap().need_costs(&[&[Operation::Pixel, Operation::Stamp]]).is_ok());
 }
 
 #[test]
@@ -137,6 +191,31 @@ fn a_machine_may_have_an_mpi_network_beside_that_of_its_threads() {
     assert!(error.starts_with(&format!("m.toml:{line}:")) && error.contains("bandwidth"), "{error}");
     let error = parse("m.toml", &text.replace("3 GB/s", "3 s")).unwrap_err().to_string();
     assert!(error.starts_with(&format!("m.toml:{line}:")), "{error}");
+}
+
+/// What its summary calls like server-128 is, except what it says of messages, shared cache and memory.
+#[test]
+fn a_node_of_the_cluster_differs_from_the_server_only_where_its_summary_says_so() {
+    let [cluster, server] = ["cluster-64", "server-128"].map(|name| builtin(name).unwrap().unwrap());
+    let (node, alone) = (cluster.node.unwrap(), server.network.unwrap());
+    assert_eq!((node.topology, node.bandwidth.value), (alone.topology, alone.bandwidth.value));
+    assert_eq!(node.hop.value, alone.hop.value);
+    let says = |what: &str| assert!(cluster.summary.contains(what), "{what}: {}", cluster.summary);
+    if node.message.value != alone.message.value {
+        says(&format!("{} for {}", node.message, alone.message));
+    }
+    let (ours, theirs) = (cluster.processors, server.processors);
+    assert_eq!(ours.per_node.unwrap().value, theirs.count.value);
+    assert_eq!(ours.own_cache.unwrap().value, theirs.own_cache.unwrap().value);
+    if ours.shared_cache.map(|c| c.value) != theirs.shared_cache.map(|c| c.value) {
+        says("without shared cache");
+    }
+    if ours.memory_bandwidth.map(|b| b.value) != theirs.memory_bandwidth.map(|b| b.value) {
+        says("and bandwidth of memory");
+    }
+    let values =
+        |costs: BTreeMap<Operation, Sourced<Cost>>| costs.into_values().map(|c| c.value).collect::<Vec<_>>();
+    assert_eq!(values(cluster.costs), values(server.costs));
 }
 
 /// The values of a description that another file quotes, by section and key, with their sources.

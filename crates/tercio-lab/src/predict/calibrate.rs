@@ -18,7 +18,7 @@ use tercio_scene::{Camera, Scene};
 
 use super::counts::{Counted, Counters, count};
 use super::frame::{Caches, FrameTime, charges};
-use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth, processor_name};
+use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth, nap_seconds, processor_name};
 use super::measure::{Clock, measure};
 use super::quoted::date::today;
 use super::{PredictError, fit, messages, views};
@@ -412,6 +412,8 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
             per_node: None,
             serial: None,
             wake_up: None,
+            nap: nap_seconds()
+                .map(|nap| Sourced::new(nap, format!("{:.2} us", nap * 1e6), measured.to_string())),
         },
         screen: None,
         node: None,

@@ -109,6 +109,22 @@ pub fn need_costs(machine: &Machine) -> Result<(), MachineError> {
     machine.need_costs(&[&[O::Polygon, O::ClusterDrawn], &[O::Pixel, O::Stamp, O::Segment, O::SampleStep]])
 }
 
+/// Work of a frame that a description charges nothing for, because it is from before calibrations measured it, where that makes a
+/// difference: colours of pixels, clusters that are taken apart, and, if no two triangles share a vertex (`is_loose`), the stamps of
+/// hidden clusters, which are few in other models. A calibrated machine without one of these costs is one whose fit made it zero, and a
+/// machine without costs of clusters does not draw like the renderer.
+pub fn uncharged(machine: &Machine, c: &Counters, is_loose: bool) -> Vec<(Operation, u64)> {
+    if machine.calibration.is_some() || !knows_clusters(machine) {
+        return Vec::new();
+    }
+    let occur = [
+        (Operation::HiddenStamp, if is_loose { c.hidden_stamps } else { 0 }),
+        (Operation::ColoredShading, c.shadings_colored),
+        (Operation::ClusterApart, c.clusters_apart),
+    ];
+    occur.into_iter().filter(|(o, count)| *count > 0 && !machine.costs.contains_key(o)).collect()
+}
+
 /// A predicted frame in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTime {
@@ -327,6 +343,37 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn work_that_old_descriptions_do_not_charge_is_named() {
+        let c = Counters { hidden_stamps: 7, shadings_colored: 3, ..Counters::default() };
+        let machine = builtin("two-core-2026").unwrap().unwrap();
+        let both = [(Operation::HiddenStamp, 7), (Operation::ColoredShading, 3)];
+        assert_eq!(uncharged(&machine, &c, true), both);
+        assert_eq!(uncharged(&machine, &c, false), both[1..]);
+        assert!(
+            uncharged(&machine, &Counters::default(), true).is_empty(),
+            "what does not occur costs nothing"
+        );
+        let polygons = builtin("hybris-single-cpu").unwrap().unwrap();
+        assert!(uncharged(&polygons, &c, true).is_empty(), "a machine that draws without clusters");
+        let mut with = machine.clone();
+        let cost = with.costs[&Operation::Shading].clone();
+        with.costs.insert(Operation::HiddenStamp, cost);
+        assert_eq!(uncharged(&with, &c, true), both[1..]);
+        let share = || Sourced::new(0.1, String::new(), String::new());
+        let calibrated = crate::machines::Calibration {
+            date: String::new(),
+            processor: String::new(),
+            version: String::new(),
+            frames: Sourced::new(9.0, "9".into(), String::new()),
+            residual: share(),
+            worst_residual: share(),
+            spread: share(),
+            doubt: None,
+        };
+        assert!(uncharged(&Machine { calibration: Some(calibrated), ..machine }, &c, true).is_empty());
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+use super::measure::processor_time;
 
 /// Bytes of the first processor's cache of one level, where Linux reports them.
 pub fn cache_bytes(level: u32) -> Option<u64> {
@@ -42,6 +44,20 @@ fn fastest(runs: usize, mut run: impl FnMut()) -> f64 {
         begin.elapsed().as_secs_f64()
     };
     std::iter::repeat_n((), runs).map(time).fold(f64::INFINITY, f64::min)
+}
+
+/// Processor time of a sleep of 50 us and of waking up from it, if the system reports processor time: the least of some runs.
+pub fn nap_seconds() -> Option<f64> {
+    const NAPS: u32 = 500;
+    const SLEEP: Duration = Duration::from_micros(50);
+    let mut least: Option<f64> = None;
+    for _ in 0..5 {
+        let before = processor_time()?;
+        (0..NAPS).for_each(|_| std::thread::sleep(SLEEP));
+        let seconds = (processor_time()? - before) / f64::from(NAPS);
+        least = Some(least.map_or(seconds, |least| least.min(seconds)));
+    }
+    least
 }
 
 /// Bytes a second that all threads together read from memory.

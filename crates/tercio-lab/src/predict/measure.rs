@@ -30,7 +30,7 @@ pub struct Measured {
 }
 
 /// Seconds of processor time of this process; `None` where the system does not report it.
-fn processor_time() -> Option<f64> {
+pub fn processor_time() -> Option<f64> {
     #[cfg(unix)]
     {
         let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);

@@ -75,8 +75,47 @@ impl Check {
         }
     }
 
+    /// What is computed, in words and `unit`: nothing if the row is a reading.
+    pub fn ours_text(&self, unit: &str) -> String {
+        match &self.ours {
+            Ok(_) if self.number.basis == Basis::Read => "not computed".into(),
+            Ok(ours) => format!("{ours}{unit}"),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    /// How far a reading may be off, in words; None if the row is computed. What is read is digits: the last one may be rounded,
+    /// and some may be read otherwise than the scan shows them.
+    pub fn reading_error(&self) -> Option<String> {
+        if self.number.basis != Basis::Read {
+            return None;
+        }
+        let list = |value: &Value| match value {
+            Value::List(items) => items.clone(),
+            _ => Vec::new(),
+        };
+        let scanned = self.number.given.get("cells").map(list).unwrap_or_default();
+        let mut otherwise = Vec::new();
+        let mut open = 0;
+        for (cell, read) in scanned.iter().zip(list(&self.number.expected)) {
+            let (Value::Text(cell), Some(read)) = (cell, read.as_number()) else { continue };
+            if read.is_nan() {
+                open += 1;
+            } else if cell.parse() != Ok(read) {
+                otherwise.push(format!("{cell} read as {read}"));
+            }
+        }
+        let mut parts = vec!["half of each last digit".to_owned()];
+        parts.extend((!otherwise.is_empty()).then(|| otherwise.join(", ")));
+        parts.extend((open > 0).then(|| format!("{open} of {} cells open", scanned.len())));
+        Some(parts.join("; "))
+    }
+
     /// Where the tolerance comes from: what the row says, or else how the print was made from ours.
     pub fn tolerance_source(&self) -> Option<ToleranceSource> {
+        if self.number.basis == Basis::Read {
+            return Some(ToleranceSource::Scan);
+        }
         let source = self.number.tolerance_source()?;
         let digits = self.ours.as_ref().ok().zip(self.print()).and_then(|(ours, print)| digits(ours, print));
         let (ToleranceSource::LastDigit, Some([ours, print, digit])) = (source, digits) else {
@@ -93,9 +132,11 @@ impl Check {
         })
     }
 
-    /// Where the tolerance comes from, in words.
-    pub fn tolerance_text(&self) -> &'static str {
-        self.tolerance_source().map_or("not explained", ToleranceSource::text)
+    /// The tolerance, or the error of a reading, and where it comes from, in words.
+    pub fn tolerance_text(&self) -> String {
+        let source = self.tolerance_source().map_or("not explained", ToleranceSource::text);
+        let size = self.reading_error().unwrap_or_else(|| self.number.tolerance.to_string());
+        format!("{size} ({source})")
     }
 }
 
@@ -131,7 +172,7 @@ mod tests {
         let ids = |class| of(class).iter().map(|c| c.number.id.clone()).collect::<Vec<_>>();
         assert!(ids(Agreement::Unexplained).is_empty(), "{:?}", ids(Agreement::Unexplained));
         let sizes = Agreement::ALL.map(|class| of(class).len());
-        assert_eq!(sizes, [368, 133, 28, 10, 0]);
+        assert_eq!(sizes, [377, 132, 30, 10, 0]);
         assert_eq!(sizes.iter().sum::<usize>(), checks.len());
         for check in &checks {
             let contradicted = check.agreement() == Agreement::ContradictsPrint;
@@ -180,7 +221,14 @@ mod tests {
 
     #[test]
     fn a_reading_is_never_called_computed() {
-        assert_eq!(check(row("P-fig16")).agreement(), Agreement::Read);
+        let of = |id| check(row(id));
+        assert_eq!(of("P-fig16").agreement(), Agreement::Read);
+        assert_eq!(of("P-fig16").ours_text(" Mcycle"), "not computed");
+        assert_eq!(of("P-fig16").tolerance_text(), "half of each last digit (reading of the scan)");
+        let nineteen = "half of each last digit; 1.57 read as 1.37; 1 of 6 cells open (reading of the scan)";
+        assert_eq!(of("P-fig19").tolerance_text(), nineteen);
+        assert_eq!(of("E5.6").reading_error(), None);
+        assert_eq!(of("E4.2-sl-dense").ours_text(" instr"), "24 instr");
         // Nor is a cell that the scan does not show a reading.
         let cells = row("P-fig19").expected;
         let Value::List(cells) = cells else { panic!("a list") };

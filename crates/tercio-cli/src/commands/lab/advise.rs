@@ -11,6 +11,7 @@ use tercio_lab::predict::advise::simulated::{describe, explanation, plans, simul
 use tercio_lab::predict::advise::{Advice, Candidate, advise, why_not};
 use tercio_lab::predict::ranks::Simulated;
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
+use tercio_lab::words::counted;
 
 use super::plan::{MachineArgs, PictureArgs};
 use super::predict::ranks;
@@ -118,7 +119,8 @@ impl Answer<'_> {
 
     fn text(&self) -> String {
         let Self { machine, processors, ref advice, ref simulated, why_not, top } = *self;
-        let mut text = format!("{machine}, up to {processors} processors\n");
+        let mut text =
+            format!("{machine}, up to {}\n", counted(processors as u64, "processor", "processors"));
         // Writing into a string cannot fail.
         let _ = match why_not {
             Some(reason) => writeln!(text, "no prediction by the models of the renderer: {reason}"),

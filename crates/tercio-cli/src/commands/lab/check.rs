@@ -65,10 +65,11 @@ fn json(checks: &[Checked]) -> Json {
             "class": check.agreement(),
             "printed": number.printed,
             "as_printed": number.as_printed,
-            "ours": check.ours.as_ref().ok(),
+            "ours": check.ours.as_ref().ok().filter(|_| check.reading_error().is_none()),
             "error": check.ours.as_ref().err().map(ToString::to_string),
             "expected": number.expected,
-            "tolerance": number.tolerance,
+            "tolerance": check.reading_error().is_none().then_some(number.tolerance),
+            "reading_error": check.reading_error(),
             "tolerance_from": check.tolerance_source(),
             "why": number.why,
             "standing": number.standing,
@@ -85,7 +86,6 @@ fn text(checks: &[Checked]) -> String {
     for check in checks {
         let number = &check.number;
         let unit = number.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));
-        let ours = check.ours.as_ref().map_or_else(ToString::to_string, ToString::to_string);
         let printed = check.print().map_or_else(
             || "nothing printed".to_owned(),
             |_| format!("printed {}{unit}", check.print_text()),
@@ -93,10 +93,10 @@ fn text(checks: &[Checked]) -> String {
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "{:32}  {:width$}  {printed}, ours {ours}{unit}, tolerance {} ({}); {}",
+            "{:32}  {:width$}  {printed}, ours {}, tolerance {}; {}",
             check.agreement().text(),
             number.id,
-            number.tolerance,
+            check.ours_text(&unit),
             check.tolerance_text(),
             number.model,
         );

@@ -3,16 +3,18 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result, anyhow, bail};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use tercio::image::Destination;
+use tercio_lab::machines::Machine;
 use tercio_lab::predict::advise::simulated::describe;
 use tercio_lab::predict::frame::{FrameTime, need_costs};
 use tercio_lab::predict::ranks::renderer::{Carrier, RankSeconds, RanksFrame};
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
 use tercio_lab::predict::ranks::{Plan, Simulated, predict, simulate};
-use tercio_lab::simulators::sorting::{Assignment, Organisation};
+use tercio_lab::simulators::sorting::{Assignment, Organisation, usual_group};
+use tercio_lab::words::counted as counted_words;
 
 use super::plan::{Counted, MachineArgs, PictureArgs};
 use crate::args::RunningArgs;
@@ -27,7 +29,8 @@ use crate::output::write_text;
 Examples:
   tercio lab predict dragon.ply --machine two-core-2026 --ranks 2
   tercio lab predict builtin:gyroid@5M --machine cluster-64 --organisation sort-twice --group 8 --ranks 512
-  tercio lab predict dragon.ply --machine mine.toml --organisation sort-last --ranks 64 --network mesh --json
+  tercio lab predict dragon.ply --machine cluster-64 --organisation sort-last --ranks 64 --network mesh --json
+  tercio lab predict dragon.ply --machine two-core-2026 --organisation sort-last --ranks 64 --share-processors
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Predict {
@@ -38,12 +41,18 @@ pub struct Predict {
     /// How ranks share a frame.
     #[arg(short = 'O', long, value_name = "CLASS", value_enum, default_value_t = OrganisationName::Threads)]
     organisation: OrganisationName,
-    /// Ranks, or threads [default: all processors of the machine; of threads, all that share a memory].
+    /// Ranks, or threads, each with a processor of its own [default: all processors of the machine; of threads, all that
+    /// share a memory].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
     ranks: Option<usize>,
-    /// Ranks of a group of sort-twice.
-    #[arg(short, long, value_name = "G", default_value = "16", value_parser = ranks)]
-    group: usize,
+    /// Lets more ranks than the machine may have processors share these. For sort-first and sort-last by the model of the
+    /// renderer's ranks, on a machine without nodes.
+    #[arg(long)]
+    share_processors: bool,
+    /// Ranks of a group of sort-twice [default: 16, or all of fewer; of a machine whose processors are 'simd' the most up
+    /// to 16 that divide them].
+    #[arg(short, long, value_name = "G", value_parser = ranks)]
+    group: Option<usize>,
     /// Pixels along the edge of a region [default: the renderer's tile; in the simulator the largest that gives every
     /// rank a region].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=32768))]
@@ -85,6 +94,11 @@ impl Predict {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        if self.share_processors && self.organisation == OrganisationName::Threads {
+            bail!(
+                "--share-processors is for ranks: expected --organisation sort-first or sort-last, found threads"
+            );
+        }
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine(self.running.quiet)?;
         need_costs(&machine)?;
@@ -92,33 +106,29 @@ impl Predict {
         let count = machine.processors.count.whole();
         let own = if on_threads { count.min(machine.most_threads()) } else { count };
         let ranks = self.ranks.unwrap_or(own as usize);
-        if on_threads {
-            machine.may_share_memory(ranks)?;
+        let plan = self.plan(&machine, ranks);
+        match &plan {
+            None => machine.may_share_memory(ranks)?,
+            Some(plan) if !self.share_processors => need_processors(&machine, plan, !self.simulate)?,
+            Some(_) => {}
         }
         let pool = self.running.pool()?;
         let threads = if on_threads { ranks } else { 1 };
         let counted = pool.install(|| self.picture.count(&self.running, &machine, threads))?;
-        let organisation = match self.organisation {
-            OrganisationName::Threads => {
-                let time = FrameTime::on_threads(&machine, &counted.counted, ranks);
-                write_text(&Destination::Stdout, &self.threads_text(&counted, ranks, time))?;
-                return Ok(ExitCode::SUCCESS);
-            }
-            OrganisationName::SortFirst => Organisation::SortFirst,
-            OrganisationName::SortMiddle => Organisation::SortMiddle,
-            OrganisationName::SortLast => Organisation::SortLast,
-            OrganisationName::SortTwice => Organisation::SortTwice(self.group),
+        let Some(plan) = plan else {
+            let time = FrameTime::on_threads(&machine, &counted.counted, ranks);
+            write_text(&Destination::Stdout, &self.threads_text(&counted, ranks, time))?;
+            return Ok(ExitCode::SUCCESS);
         };
-        let assignment = if self.blocks { Assignment::Blocks } else { Assignment::Interleaved };
-        let topology = self.machine.topology();
-        let plan = Plan { organisation, ranks, threads: 1, region: self.region, assignment, topology };
         let rendered = match self.simulate {
             true => Err(Simulated::Asked),
             false => pool.install(|| predict(&machine, &counted.picture(), &plan))?,
         };
         let text = match rendered {
-            Ok(frame) => self.renderer_text(&counted, &plan, &frame),
+            Ok(frame) => self.renderer_text(&counted, &plan, machine.processors_for(ranks), &frame),
             Err(reason) => {
+                plan.need_processors(&machine)
+                    .with_context(|| format!("the simulator gives each rank a processor ({reason})"))?;
                 let time =
                     simulate(&machine, &counted.counted.frame, &counted.boxes()?, counted.size, &plan)?;
                 self.simulated_text(&counted, reason, &time)
@@ -126,6 +136,22 @@ impl Predict {
         };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
+    }
+
+    /// How ranks share a frame; `None` for threads.
+    fn plan(&self, machine: &Machine, ranks: usize) -> Option<Plan> {
+        let organisation = match self.organisation {
+            OrganisationName::Threads => return None,
+            OrganisationName::SortFirst => Organisation::SortFirst,
+            OrganisationName::SortMiddle => Organisation::SortMiddle,
+            OrganisationName::SortLast => Organisation::SortLast,
+            OrganisationName::SortTwice => {
+                Organisation::SortTwice(self.group.unwrap_or_else(|| usual_group(machine, ranks)))
+            }
+        };
+        let assignment = if self.blocks { Assignment::Blocks } else { Assignment::Interleaved };
+        let topology = self.machine.topology();
+        Some(Plan { organisation, ranks, threads: 1, region: self.region, assignment, topology })
     }
 
     fn threads_text(&self, counted: &Counted, threads: usize, time: FrameTime) -> String {
@@ -145,7 +171,7 @@ impl Predict {
             ("picture", time.picture),
             ("waking", time.waking),
         ];
-        let mut text = table(&format!("{threads} threads"), &phases, time.total());
+        let mut text = table(&counted_threads(threads), &phases, time.total());
         let c = &counted.counted.frame;
         // Writing into a string cannot fail.
         let _ = writeln!(text, "busiest over mean thread in the tiles: {:.2}", time.imbalance);
@@ -164,10 +190,10 @@ impl Predict {
         text
     }
 
-    fn renderer_text(&self, counted: &Counted, plan: &Plan, frame: &RanksFrame) -> String {
+    fn renderer_text(&self, counted: &Counted, plan: &Plan, processors: usize, frame: &RanksFrame) -> String {
         if self.json {
             let value = json!({
-                "model": "renderer", "organisation": frame.organisation, "ranks": plan.ranks,
+                "model": "renderer", "organisation": frame.organisation, "ranks": plan.ranks, "processors": processors,
                 "counters": counted.counted.frame, "prediction": frame, "total_seconds": frame.total(),
             });
             return format!("{value:#}\n");
@@ -182,9 +208,10 @@ impl Predict {
             Carrier::Network => "messages by network",
         };
         let head = format!(
-            "{} ranks, {how}, regions of {} pixels, {place}\n\
+            "{}, {how}, regions of {} pixels, {place}\n\
              by the model of the renderer's ranks, which 'tercio lab validate --ranks' compares with it; rank 0:",
-            plan.ranks, frame.region
+            ranks_on(plan.ranks, processors),
+            frame.region
         );
         let mut text = table(&head, &frame.phases(), frame.total());
         let _ = writeln!(text, "{:16} {:>12}    {:>12}    busiest over mean", "all ranks", "busiest", "mean");
@@ -209,8 +236,10 @@ impl Predict {
         }
         let _ = writeln!(
             text,
-            "{} bytes in {} messages, at most {} bytes from one rank",
-            frame.bytes, frame.messages, frame.most_bytes_sent
+            "{} bytes in {}, at most {} bytes from one rank",
+            frame.bytes,
+            counted_words(frame.messages, "message", "messages"),
+            frame.most_bytes_sent
         );
         let m = frame.memory;
         let _ = writeln!(
@@ -234,8 +263,8 @@ impl Predict {
             return format!("{value:#}\n");
         }
         let head = format!(
-            "{} ranks, {}\nby the simulator of the sorting classes: {reason}",
-            time.plan.ranks,
+            "{}, {}\nby the simulator of the sorting classes: {reason}",
+            ranks_on(time.plan.ranks, time.plan.ranks),
             describe(&time.plan)
         );
         let mut text = table(&head, &time.phases(), time.total());
@@ -252,11 +281,11 @@ impl Predict {
         {
             let _ = writeln!(
                 text,
-                "{name}: {} bytes in {} messages, busiest link {:.0} bytes, longest way {} hops",
+                "{name}: {} bytes in {}, busiest link {:.0} bytes, longest way {}",
                 t.bytes,
-                t.messages,
+                counted_words(t.messages, "message", "messages"),
                 t.busiest_link.max(t.inside.busiest_link),
-                t.most_hops.max(t.inside.most_hops)
+                counted_words(t.most_hops.max(t.inside.most_hops).into(), "hop", "hops")
             );
         }
         let _ = writeln!(
@@ -266,6 +295,28 @@ impl Predict {
         );
         text
     }
+}
+
+/// Refuses ranks that have no processors of their own, and says how they can share them if this plan's can.
+fn need_processors(machine: &Machine, plan: &Plan, by_renderer: bool) -> Result<()> {
+    let can_share = by_renderer && machine.processors.per_node.is_none() && plan.by_renderer(machine).is_ok();
+    plan.need_processors(machine).map_err(|error| match can_share {
+        true => anyhow!("{error}; with --share-processors ranks share them"),
+        false => error.into(),
+    })
+}
+
+fn counted_threads(threads: usize) -> String {
+    counted_words(threads as u64, "thread", "threads")
+}
+
+/// Ranks, and how many processors they share if these are fewer.
+fn ranks_on(ranks: usize, processors: usize) -> String {
+    let ranks_in_words = counted_words(ranks as u64, "rank", "ranks");
+    if ranks <= processors {
+        return ranks_in_words;
+    }
+    format!("{ranks_in_words} that share {}", counted_words(processors as u64, "processor", "processors"))
 }
 
 fn table(head: &str, phases: &[(&str, f64)], total: f64) -> String {

@@ -91,7 +91,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         Axis::linear("overlap"),
     )
     .with(Series::points("counted in the heap", counted))
-    .with(Series::line("equation 2.1 over all boxes", predicted).published());
+    .with(Series::line("equation 2.1 over all boxes", predicted));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

@@ -1,6 +1,6 @@
 //! Raster cycles and overlap: tables 1, figures 5 and 6.
 
-use super::{BOX_AREA, POLYGONS, raster_cycles};
+use super::{BOX_AREA, FROM_CYCLES, POLYGONS, raster_cycles};
 use crate::experiments::facts::Facts;
 use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
@@ -38,13 +38,13 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         "overlap",
         &[("side", "px"), ("raster cycles", ""), ("measured", ""), ("printed", ""), ("equation 6", "")],
     );
-    let (mut measured, mut model) = (Vec::new(), Vec::new());
+    let (mut in_print, mut model) = (Vec::new(), Vec::new());
     for (side, cycles) in raster_cycles(&facts)? {
         let ours = mcmanus::measured_overlap(cycles, Polygons::new(POLYGONS)).get();
         let by_model = mcmanus::overlap_of_area(side, Pixels::new(BOX_AREA)).get();
         let printed = facts.printed(&format!("M-T1-{}", side.get()))?;
         table.push([side.get().into(), cycles.get().into(), ours.into(), printed.into(), by_model.into()]);
-        measured.push((side.get(), ours));
+        in_print.push((side.get(), printed));
         model.push((side.get(), by_model));
     }
     let plot = Plot::new(
@@ -54,7 +54,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         Axis::log10("regions per polygon"),
     )
     .with(Series::line("equation 6", model))
-    .with(Series::points("table 1", measured).published());
+    .with(Series::points("table 1", in_print).published());
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
@@ -125,14 +125,22 @@ fn predicted_rate() -> Result<Findings, ExperimentError> {
     let per_second = Hertz::new(1e6);
     let mut table = Table::new(
         "rates",
-        &[("side", "px"), ("equation 7", "polygon/s"), ("measured", "polygon/s"), ("deviation", "%")],
+        &[
+            ("side", "px"),
+            ("equation 7", "polygon/s"),
+            ("measured", "polygon/s"),
+            ("printed", "polygon/s"),
+            ("deviation", "%"),
+        ],
     );
-    let (mut model, mut measured) = (Vec::new(), Vec::new());
+    let (mut model, mut measured, mut in_print) = (Vec::new(), Vec::new(), Vec::new());
     for (side, cycles) in raster_cycles(&facts)? {
         let by_model = mcmanus::rate(side, Pixels::new(BOX_AREA), per_second).get();
         let by_cycles = mcmanus::measured_rate(cycles, Polygons::new(POLYGONS), per_second).get();
         let deviation = 100.0 * (by_cycles / by_model - 1.0);
-        table.push([side.get().into(), by_model.into(), by_cycles.into(), deviation.into()]);
+        let printed = facts.printed(&format!("M-T2P-{}", side.get()))?;
+        table.push([side.get().into(), by_model.into(), by_cycles.into(), printed.into(), deviation.into()]);
+        in_print.push((side.get(), printed));
         model.push((side.get(), by_model));
         measured.push((side.get(), by_cycles));
     }
@@ -143,7 +151,8 @@ fn predicted_rate() -> Result<Findings, ExperimentError> {
         Axis::linear("polygons a second"),
     )
     .with(Series::line("equation 7", model))
-    .with(Series::points("from table 1", measured).published());
+    .with(Series::points(FROM_CYCLES, measured))
+    .with(Series::points("table 2", in_print).published_for(FROM_CYCLES));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

@@ -8,7 +8,7 @@ use super::label::{self, INK, LABEL, LINE};
 use super::legend::Legend;
 use super::look::Look;
 use super::scale::Division;
-use super::{Plot, Series};
+use super::{Mark, Plot, Series};
 
 /// Width of a plot, and its height if the legend needs no more, in pixels of which 96 are an inch.
 const SIZE: DVec2 = dvec2(640.0, 420.0);
@@ -31,6 +31,12 @@ impl Plot {
             place.is_finite().then_some(place)
         };
         series.points.iter().map(place).collect()
+    }
+
+    /// The places of upright lines along the horizontal axis.
+    fn upright(&self, series: &Series) -> Vec<f64> {
+        let places = if series.mark == Mark::Upright { &series.points[..] } else { &[] };
+        places.iter().map(|p| self.x.scale.place(p.0)).filter(|x| x.is_finite()).collect()
     }
 
     /// The looks of all series: each has its own, but published values that of the series they belong to.
@@ -64,7 +70,10 @@ impl Plot {
                 let first = f64::from(names.first) - 0.5;
                 Division::of_categories(first, first + names.names.len() as f64)
             }
-            None => Division::new(self.x.scale, false, known().map(|p| p.x)),
+            None => {
+                let upright = self.series.iter().flat_map(|series| self.upright(series));
+                Division::new(self.x.scale, false, known().map(|p| p.x).chain(upright))
+            }
         };
         // The vertical axis starts at zero, so that heights can be compared.
         let y = Division::new(self.y.scale, true, known().map(|p| p.y));
@@ -98,6 +107,10 @@ impl Plot {
                 looks[i].hidden_by = (i + 1..looks.len()).filter(hides).count() as u32;
             }
             for (look, points) in looks.iter().zip(&points) {
+                for x in self.upright(look.series) {
+                    let foot = frame.at(dvec2(x, frame.y.low));
+                    look.push_upright(shapes, foot, dvec2(foot.x, frame.high.y));
+                }
                 look.push_line(shapes, [frame.low.x, frame.high.x], points, looks.len());
             }
         }

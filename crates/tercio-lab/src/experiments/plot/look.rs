@@ -9,8 +9,8 @@ use super::symbols::{dashed, symbol};
 use super::{Mark, Role, Series};
 
 const RADIUS: f64 = 3.6;
-/// Hollow symbols are larger, so that they can be seen around full ones.
-const HOLLOW: f64 = 4.8;
+/// Hollow symbols are larger, so that white is left between them and full ones inside.
+const HOLLOW: f64 = 6.2;
 /// What a line and a symbol grow by for each line above that hides them.
 const RIM: f64 = 1.6;
 /// Symbols on a line that has none of its own.
@@ -106,6 +106,12 @@ impl Look<'_> {
                 }
             }
         }
+    }
+
+    /// A line from the foot of the plot to its top, with the symbol near the top, where it can be told from those at values.
+    pub fn push_upright(&self, shapes: &mut Vec<Shape>, foot: DVec2, top: DVec2) {
+        self.push_stroke(shapes, &[foot, top]);
+        self.push_symbol(shapes, top.lerp(foot, 0.03));
     }
 
     /// The sample of the legend, whose left end is at `at`.

@@ -74,7 +74,8 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// The origin of a series.
+/// The origin of a series. Values of a document's equations are ours: we evaluate them. The document's are only numbers that it
+/// prints, or that are read from its figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Computed by us: full marks.
@@ -92,6 +93,8 @@ pub enum Mark {
     Points,
     /// Points joined by a line.
     LinePoints,
+    /// Upright lines at places of the horizontal axis: of a number that is printed without the other one. Heights are not shown.
+    Upright,
 }
 
 impl Axis {
@@ -135,6 +138,12 @@ impl Series {
     /// Our values as points joined by a line.
     pub fn line_points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::LinePoints, ..Self::line(label, points) }
+    }
+
+    /// Places on the horizontal axis that a document prints, without heights.
+    pub fn printed_places(label: impl Into<String>, places: impl IntoIterator<Item = f64>) -> Self {
+        let points = places.into_iter().map(|x| (x, f64::NAN)).collect();
+        Self { mark: Mark::Upright, ..Self::line(label, points) }.published()
     }
 
     /// Marks the series as the document's.

@@ -164,7 +164,9 @@ const INTRODUCTION: &str = "Every figure and table of the five documents that fo
 
 const CLASSES: &str = "Reproduced: something other than the document's own formula gives the printed numbers. Restated: the document's own \
     formula does, which shows that it is read as it was meant. By construction: an input was chosen so that they come out. Qualitative: \
-    only the shape can be compared, or an input is not stated. No verdict: what is published does not determine whether ours is right.";
+    only the shape can be compared, or an input is not stated. Contradicted: something that is printed does not agree; in part, if a \
+    printed number does. A print is compared once, and how many numbers agree makes no difference. No verdict: what is published does \
+    not determine whether ours is right.";
 
 /// The report as one page of Markdown.
 fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {
@@ -315,18 +317,17 @@ fn published_numbers(checks: &[Check], to: &mut impl Format) {
     to.paragraph(
         "Ours is compared with what is printed. Where a document or its scan is wrong, ours contradicts the print, and \
          the last column says why, in our reading. Numbers that are read from the scan are measurements on lost scenes; \
-         nothing computes them.",
+         nothing computes them, and a reading is off by what is said of it.",
     );
     let row = |c: &Check| {
         let n = &c.number;
         let unit = n.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));
-        let ours = c.ours.as_ref().map_or_else(ToString::to_string, |v| format!("{v}{unit}"));
         [
             n.id.clone(),
             format!("{} {}", n.document, n.place),
             c.print().map_or(String::new(), |_| format!("{}{unit}", c.print_text())),
-            ours,
-            format!("{} ({})", n.tolerance, c.tolerance_text()),
+            c.ours_text(&unit),
+            c.tolerance_text(),
             c.agreement().text().to_owned(),
             n.why.clone().unwrap_or_default(),
         ]

@@ -76,6 +76,8 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("raster", "instructions a second of rasterization"),
         ("rate", "instructions a second"),
         ("eldridge.table-8.1-row/rate", "visible polygons a second"),
+        ("eldridge.table-8.1-rest/geometry", "percent of a frame that geometry takes"),
+        ("eldridge.table-8.1-rest/communication", "percent of a frame that communication takes"),
         ("sample", "width of a pixel with its depth"),
         ("shaded", "instructions for a shaded pixel"),
         ("slices", "slices of the processor that has most"),

@@ -144,6 +144,11 @@ pub fn table_row(rate: PolygonRate, fps: FrameRate, phases: Vec<Percent>) -> [f6
     [(rate / fps).get(), phases.into_iter().sum::<Percent>().get()]
 }
 
+/// The share of rasterization in table 8.1: what the other two phases leave of a frame, idling included.
+pub fn rest(geometry: Percent, communication: Percent) -> Percent {
+    Percent::new(100.0) - geometry - communication
+}
+
 /// Operations a second of all processors, `per_line` on each between two scan lines (8.3).
 pub fn operation_rate(per_line: Count, n: Processors, lines: LineRate) -> OperationRate {
     OperationRate::new(per_line.get() * n.get() * lines.get())
@@ -201,6 +206,8 @@ pub(crate) const MODELS: &[Model] = models! {
             "budget": Instructions = LINE_BUDGET, "lines": LineRate = LINE_RATE] -> Ratio;
     "eldridge.table-8.1-row", "table 8.1", "visible polygons a frame, and the sum of the percentages":
         table_row["rate": PolygonRate, "fps": FrameRate, "phases": Vec<Percent>] -> [f64; 2];
+    "eldridge.table-8.1-rest", "table 8.1", "percent of a frame that geometry and communication leave":
+        rest["geometry": Percent, "communication": Percent] -> Percent;
     "eldridge.operation-rate", "8.3", "operations a second of all processors":
         operation_rate["per_line": Count = 2.0, "n": Processors = PROCESSORS, "lines": LineRate = LINE_RATE]
             -> OperationRate;

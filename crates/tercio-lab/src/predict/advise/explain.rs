@@ -8,6 +8,7 @@ use super::splits::{EVERY, MOST_BY_FORMULAS, Split};
 use super::{Advice, Candidate, Frame, How, Uncertainty};
 use crate::predict::choose::candidates::MANY;
 use crate::predict::choose::parts_of;
+use crate::words::counted;
 
 /// Splits that are listed; more are counted.
 const LISTED: usize = 12;
@@ -41,7 +42,8 @@ impl Candidate {
                     other => other.to_string(),
                 }));
                 add(region.map(|region| format!("tiles of {region} pixels")));
-                format!("{text}, {ranks} ranks of {threads} threads")
+                let threads = counted(threads as u64, "thread", "threads");
+                format!("{text}, {ranks} ranks of {threads}")
             }
         }
     }
@@ -114,12 +116,13 @@ impl Advice {
         let threads = self.candidates.iter().filter(one).map(|c| c.split.threads);
         let threads: BTreeSet<usize> = threads.collect();
         let threads = match threads.last() {
-            Some(most) if threads.len() > LISTED => format!("1 to {most}"),
-            _ => threads.iter().map(usize::to_string).collect::<Vec<_>>().join(", "),
+            Some(1) => "1 thread".to_owned(),
+            Some(most) if threads.len() > LISTED => format!("1 to {most} threads"),
+            _ => threads.iter().map(usize::to_string).collect::<Vec<_>>().join(", ") + " threads",
         };
         let ranks: BTreeSet<Split> = self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
         let of_threads = format!(
-            "compared are {} ways to use threads of one process ({threads} threads, tiles of 8 to 128 pixels)",
+            "compared are {} ways to use threads of one process ({threads}, tiles of 8 to 128 pixels)",
             self.candidates.iter().filter(one).count()
         );
         if ranks.is_empty() {

@@ -11,17 +11,30 @@ use crate::predict::ranks::{Plan, simulate};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
 
+/// Up to so many processors all plans are simulated. Each exchange of pixels takes as many steps as there are processors, and a plan has
+/// up to as many exchanges as their logarithm.
+pub const ALL_PLANS: usize = 1 << 16;
+
 /// The candidates of the simulator: the four classes, groups of every power of two, regions of 16 to 128 pixels and the
-/// largest possible, both assignments. Groups of a SIMD machine divide its processors.
+/// largest possible, both assignments; above [`ALL_PLANS`] only groups of every second power of two, and the largest regions,
+/// interleaved. Groups of a SIMD machine divide its processors.
 pub fn plans(machine: &Machine, ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     let mut organisations = vec![Organisation::SortFirst, Organisation::SortMiddle, Organisation::SortLast];
     let divides = |g: &usize| machine.processors.control == Control::Mimd || ranks.is_multiple_of(*g);
-    let groups = (1..usize::BITS).map(|bit| 1usize << bit).take_while(|g| *g < ranks).filter(divides);
+    let is_many = ranks > ALL_PLANS;
+    let bits = (1..usize::BITS).step_by(if is_many { 2 } else { 1 });
+    let groups = bits.map(|bit| 1usize << bit).take_while(|g| *g < ranks).filter(divides);
+    let regions = if is_many { vec![None] } else { vec![None, Some(16), Some(32), Some(64), Some(128)] };
+    let assignments = if is_many {
+        vec![Assignment::Interleaved]
+    } else {
+        vec![Assignment::Interleaved, Assignment::Blocks]
+    };
     organisations.extend(groups.map(Organisation::SortTwice));
     let mut plans = Vec::new();
     for organisation in organisations {
-        for region in [None, Some(16), Some(32), Some(64), Some(128)] {
-            for assignment in [Assignment::Interleaved, Assignment::Blocks] {
+        for &region in &regions {
+            for &assignment in &assignments {
                 // An owner of the whole picture needs no regions.
                 let divided = organisation != Organisation::SortLast;
                 if divided || (region.is_none() && assignment == Assignment::Interleaved) {
@@ -61,6 +74,12 @@ pub fn explanation(frames: &[SimulatedFrame]) -> Vec<String> {
     };
     let lines: Vec<Line> = frames.iter().map(line).collect();
     let mut all = vec![why_simulated(best)];
+    if best.plan.ranks > ALL_PLANS {
+        all.push(format!(
+            "of more than {ALL_PLANS} processors the simulator compares no regions of 16, 32, 64 and 128 pixels, no regions in blocks and \
+             no groups of other sizes than 2, 8, 32, 128 ... processors: it would take minutes"
+        ));
+    }
     all.extend(others(&lines, |k| frames[k].phases().to_vec()));
     all
 }

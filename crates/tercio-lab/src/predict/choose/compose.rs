@@ -167,8 +167,9 @@ impl SharedTiles {
     fn ring(&self, count: usize, stage: &Stage) -> Composited {
         let mut all = Composited::default();
         let merged: f64 = self.tiles.iter().map(|tile| tile.merged).sum();
+        let sum = self.sum();
         for done in 1..count {
-            let has = (self.sum() * done as f64 / count as f64).min(merged);
+            let has = (sum * done as f64 / count as f64).min(merged);
             all = all.plus(transfer(stage, 1, count, (1.0, has, 1.0), Reach { within: 2, stride: 1 }));
         }
         all.plus(self.merging(1, stage))

@@ -77,6 +77,10 @@ impl Stage<'_> {
     /// that still have work get the same share of them; those with the most work are alone in the end.
     pub fn work(&self, of_ranks: impl Iterator<Item = f64>) -> f64 {
         let mut works: Vec<f64> = of_ranks.collect();
+        if self.slowdown(works.len() as f64) <= self.share {
+            // Nobody waits for a processor: the one with the most work is the last.
+            return works.into_iter().fold(0.0, f64::max) * self.share;
+        }
         works.sort_unstable_by(f64::total_cmp);
         let (mut seconds, mut done, mut left) = (0.0, 0.0, works.len() as f64);
         for work in works {
@@ -158,6 +162,10 @@ mod tests {
         // Two: even work is divided, the last rank is alone with what it has more.
         near(seconds(1.0, 2.0, &[1.0; 6]), 3.0);
         near(seconds(1.0, 2.0, &[1.0, 1.0, 1.0, 5.0]), 2.0 + 4.0);
+        // As many processors as threads, and so few more ranks than processors that it makes no difference.
+        let works: Vec<f64> = (1..100u32).map(|k| f64::from(k * 37 % 101)).collect();
+        let (enough, almost) = (seconds(1.0, 99.0, &works), seconds(1.0, 99.0 * (1.0 - 1e-12), &works));
+        assert!((enough / almost - 1.0).abs() < 1e-9 && enough == 100.0, "{enough} {almost}");
         // Threads of a rank divide its work.
         near(seconds(2.0, 4.0, &[4.0, 2.0]), 2.0);
         near(seconds(4.0, 2.0, &[4.0]), 2.0);

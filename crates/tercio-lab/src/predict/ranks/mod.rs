@@ -33,7 +33,7 @@ use tercio_scene::{Camera, Scene};
 use super::PredictError;
 use super::counts::{Counters, count};
 use super::frame::{FrameTime, need_costs};
-use crate::machines::{Machine, Topology};
+use crate::machines::{Machine, MachineError, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
 use exchange::ExchangeCosts;
@@ -102,6 +102,14 @@ pub enum Simulated {
 }
 
 impl Plan {
+    /// Checks that each thread of each rank has a processor of its own.
+    ///
+    /// # Errors
+    /// [`MachineError::TooMany`]: the machine may not have so many processors.
+    pub fn need_processors(&self, machine: &Machine) -> Result<(), MachineError> {
+        machine.may_have(self.ranks * self.threads.max(1))
+    }
+
     /// The renderer's organisation for this plan on a machine, or why only the simulator supports it.
     ///
     /// # Errors
@@ -159,8 +167,8 @@ pub fn on_threads(
     Ok(FrameTime::on_threads(machine, &counted, threads))
 }
 
-/// Predicts a frame of the renderer's ranks; `None` with the reason if only the simulator supports it. Ranks that share
-/// a memory share the machine's processors, too; there may be fewer processors than ranks.
+/// Predicts a frame of the renderer's ranks; `None` with the reason if only the simulator supports it. Of a machine without nodes
+/// there may be more ranks than processors, which they then share: [`Plan::need_processors`] refuses that.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -184,10 +192,7 @@ pub fn predict(
     // Scattered by the work in the tiles, as ranks do without options.
     let how = (plan.ranks, organisation.into());
     let work = RanksWork::with_threads(picture.scene, picture.camera, &settings, how, plan.threads.max(1))?;
-    // Of more nodes than described, as many as the ranks need.
-    let described = machine.processors.count.whole() as usize;
-    let threads = plan.ranks * plan.threads.max(1);
-    let processors = if machine.processors.per_node.is_some() { described.max(threads) } else { described };
+    let processors = machine.processors_for(plan.ranks * plan.threads.max(1));
     Ok(Ok(renderer::predict(machine, &costs, &work, processors)?))
 }
 

@@ -231,12 +231,15 @@ pub fn predict(
     let copied = carrier != Carrier::Threads;
     let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
     let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
+    let nap = machine.processors.nap.as_ref().map_or(0.0, |nap| nap.value);
     let wires = match carrier {
-        Carrier::Network => on_network(&network, work),
+        Carrier::Network => on_network(&network, work, nap),
         Carrier::Threads => {
             Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Woken(wake_up) }
         }
-        Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Polling },
+        Carrier::Processes => {
+            Wires { latency: 0.0, bandwidth: f64::INFINITY, noticed: Noticed::Polling(nap) }
+        }
     };
     let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
     // Ranks of one node exchange messages in its memory only.
@@ -336,7 +339,7 @@ fn gathering(messages: &Messages, ranks: usize) -> impl Iterator<Item = (usize, 
 
 /// The network as seen by all messages of a frame: with the bandwidth at which its busiest links, inside a node or
 /// between nodes, pass what the busiest port passes, and the latency of its longest path.
-fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
+fn on_network(network: &NetworkModel, work: &RanksWork, nap: f64) -> Wires {
     let ranks = work.sharing.ranks;
     let mut links = Links::new(network, ranks);
     let mut ports = Links::new(&NetworkModel { topology: Topology::Crossbar, node: None, ..*network }, ranks);
@@ -360,7 +363,7 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     Wires {
         latency: f64::from(links.most_hops) * network.hop + inside,
         bandwidth: if seconds > 0.0 { (ports.busiest_link / seconds).min(fastest) } else { fastest },
-        noticed: Noticed::Polling,
+        noticed: Noticed::Polling(nap),
     }
 }
 

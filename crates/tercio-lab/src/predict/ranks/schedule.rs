@@ -61,8 +61,9 @@ pub struct Wires {
 pub enum Noticed {
     /// The arrival wakes it, which takes so many seconds.
     Woken(f64),
-    /// It polls, from some time on at intervals between which it sleeps.
-    Polling,
+    /// It polls, from some time on at intervals between which it sleeps. Each time it wakes up, it takes so many seconds of its
+    /// processor from a rank that works there.
+    Polling(f64),
 }
 
 /// How a process waits (`tercio-mpi`): it polls for `AWAKE` seconds, then sleeps repeatedly, each time for the share
@@ -72,6 +73,14 @@ const AWAKE: f64 = 200e-6;
 const SLEEPS: f64 = 1.0 / 16.0;
 const LONGEST: f64 = 2e-3;
 const LONGER: f64 = 50e-6;
+
+/// The longest time for which the share of a processor that polling ranks take is the same.
+const STEP: f64 = 100e-6;
+
+/// How often a second a process that has waited for so many seconds wakes up to poll.
+fn naps_per_second(waited: f64) -> f64 {
+    if waited < AWAKE { 0.0 } else { 1.0 / ((waited * SLEEPS).min(LONGEST) + LONGER) }
+}
 
 /// When a process that sleeps finds a message, in seconds since it began to wait.
 fn found(arrives: f64) -> f64 {
@@ -169,7 +178,7 @@ impl Play<'_> {
         let running = self.running();
         let mut next = f64::INFINITY;
         for &rank in &running {
-            next = next.min(self.at[rank].1);
+            next = next.min(self.at[rank].1 / self.pace(rank));
             if let State::Running { slice } = self.states[rank]
                 && self.line.iter().any(|&other| self.home(other) == self.home(rank))
             {
@@ -181,9 +190,13 @@ impl Play<'_> {
         if next.is_infinite() {
             return false;
         }
+        if self.share_processors() {
+            next = next.min(STEP);
+        }
+        let paces: Vec<f64> = running.iter().map(|&rank| self.pace(rank)).collect();
         self.now += next;
-        for &rank in &running {
-            self.pass(rank, next);
+        for (&rank, pace) in running.iter().zip(paces) {
+            self.pass(rank, next, pace);
         }
         for rank in 0..self.states.len() {
             if self.learns[rank] > self.now {
@@ -201,7 +214,26 @@ impl Play<'_> {
 
     /// The processor that a rank stays on, if it does.
     fn home(&self, rank: usize) -> Option<usize> {
-        (self.wires.noticed == Noticed::Polling).then_some(rank % self.processors)
+        matches!(self.wires.noticed, Noticed::Polling(_)).then_some(rank % self.processors)
+    }
+
+    /// Do ranks that poll take time from others?
+    fn share_processors(&self) -> bool {
+        matches!(self.wires.noticed, Noticed::Polling(nap) if nap > 0.0)
+            && self.states.len() > self.processors
+    }
+
+    /// The share of a processor that a running rank has.
+    fn pace(&self, rank: usize) -> f64 {
+        let Noticed::Polling(nap) = self.wires.noticed else { return 1.0 };
+        if !self.share_processors() {
+            return 1.0;
+        }
+        let waited = self.states.iter().enumerate().filter_map(|(other, state)| match *state {
+            State::Waiting { since, .. } if self.home(other) == self.home(rank) => Some(self.now - since),
+            _ => None,
+        });
+        1.0 / (1.0 + nap * waited.map(naps_per_second).sum::<f64>())
     }
 
     /// Takes the first rank out of the queue for which a processor is free.
@@ -228,20 +260,21 @@ impl Play<'_> {
         let State::Waiting { since, from } = self.states[rank] else { return };
         if let Some(&arrival) = self.arrivals[from * self.states.len() + rank].front() {
             self.learns[rank] = match self.wires.noticed {
-                Noticed::Polling => since + found(arrival - since),
+                Noticed::Polling(_) => since + found(arrival - since),
                 Noticed::Woken(seconds) => arrival + seconds,
             };
         }
     }
 
-    /// A running rank computes for `seconds`.
-    fn pass(&mut self, rank: usize, seconds: f64) {
+    /// A running rank computes for `seconds`, of which it has the share `pace` of its processor.
+    fn pass(&mut self, rank: usize, seconds: f64, pace: f64) {
         let State::Running { slice } = self.states[rank] else { return };
         let (step, left) = self.at[rank];
         if let Some(Step::Work(stage, _)) = self.programs[rank].get(step) {
-            self.played[rank].busy[*stage as usize] += seconds;
+            self.played[rank].busy[*stage as usize] += seconds * pace;
+            self.played[rank].queued += seconds * (1.0 - pace);
         }
-        let left = left - seconds;
+        let left = left - seconds * pace;
         // A remainder from rounding is no work.
         if left <= 1e-15 {
             self.at[rank].0 += 1;
@@ -340,11 +373,29 @@ mod tests {
 
     #[test]
     fn ranks_that_poll_stay_on_their_processors() {
-        let polling = Wires { noticed: Noticed::Polling, ..AT_ONCE };
+        let polling = Wires { noticed: Noticed::Polling(0.0), ..AT_ONCE };
         // Ranks 0 and 2 have one processor, ranks 1 and 3 the other.
         let programs = [vec![work(2e-3)], vec![work(1e-3)], vec![work(2e-3)], vec![work(1e-3)]];
         assert_eq!(ends(&programs, 2, polling), [2e-3, 1e-3, 4e-3, 2e-3]);
         assert_eq!(ends(&programs, 2, AT_ONCE), [2e-3, 1e-3, 3e-3, 3e-3]);
+    }
+
+    #[test]
+    fn a_rank_that_polls_takes_time_from_one_that_works() {
+        let send = Step::Send { to: 0, bytes: 100 };
+        let programs = [vec![Step::Take { from: 1 }], vec![work(4e-3), send]];
+        let end = |nap: f64, processors: usize| {
+            play(&programs, processors, Wires { noticed: Noticed::Polling(nap), ..AT_ONCE })[1]
+        };
+        // With a processor of its own, and where waking up takes no time, it takes none.
+        assert!((end(20e-6, 2).end - 4e-3).abs() < 1e-12 && (end(0.0, 1).end - 4e-3).abs() < 1e-12);
+        // From 0.2 ms on it wakes up, first every 62 us, after 4 ms every 300 us.
+        let shared = end(20e-6, 1);
+        let naps: f64 = (2..40).map(|k| 100e-6 * naps_per_second(f64::from(k) * 100e-6)).sum();
+        let taken = shared.end - 4e-3;
+        // While it takes time, less work is done.
+        assert!(taken > 0.85 * 20e-6 * naps && taken < 20e-6 * naps, "{taken} {naps}");
+        assert!((shared.busy[0] - 4e-3).abs() < 1e-12 && (shared.queued - taken).abs() < 1e-12, "{shared:?}");
     }
 
     #[test]
@@ -363,7 +414,7 @@ mod tests {
         let send = Step::Send { to: 0, bytes: 100 };
         let waits = |seconds: f64| {
             let programs = [vec![Step::Take { from: 1 }, work(1e-3)], vec![work(seconds), send]];
-            ends(&programs, APART, Wires { noticed: Noticed::Polling, ..AT_ONCE })[0]
+            ends(&programs, APART, Wires { noticed: Noticed::Polling(0.0), ..AT_ONCE })[0]
         };
         assert_eq!(waits(150e-6), 1150e-6);
         // It wakes after 200, 262.5 and 328.906 us.

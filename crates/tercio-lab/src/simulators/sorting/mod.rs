@@ -23,5 +23,5 @@ pub mod regions;
 pub mod simd;
 
 pub use network::{Links, NetworkModel, NodeModel, Traffic};
-pub use organisation::{Computing, Costs, Organisation, Setting, SortReport, simulate, sweep};
+pub use organisation::{Computing, Costs, Organisation, Setting, SortReport, simulate, sweep, usual_group};
 pub use regions::{Assignment, Regions};

@@ -12,7 +12,7 @@ use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};
 use super::regions::{Assignment, Regions};
 use super::simd::{self, Simd};
-use crate::machines::{DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
+use crate::machines::{Control, DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
 use crate::simulators::ring::AlgorithmError;
 use crate::units::Bytes;
 use crate::workloads::{BoxScene, PixelBox};
@@ -36,6 +36,16 @@ impl Organisation {
     /// Are pictures of several processors merged?
     pub fn composites(self) -> bool {
         matches!(self, Self::SortLast | Self::SortTwice(_))
+    }
+}
+
+/// Processors of a group of sort-twice if nobody says how many: 16, or all of fewer. Groups of a SIMD machine divide its
+/// processors: then the most up to 16 that do.
+pub fn usual_group(machine: &Machine, processors: usize) -> usize {
+    let most = processors.clamp(1, 16);
+    match machine.processors.control {
+        Control::Mimd => most,
+        Control::Simd => (1..=most).rev().find(|&group| processors.is_multiple_of(group)).unwrap_or(1),
     }
 }
 
@@ -403,22 +413,24 @@ fn compose(whole: Regions, group: usize, s: &Setting) -> Composed {
         last: s.regions((s.processors % group).max(1)),
     };
     let mut composed = Composed::default();
+    // Pixels that each processor merges in a round.
+    let mut merged = vec![0u64; s.processors];
     groups.compose(|step, transfers| {
         if step == Step::Delivery && s.network.delivery == Delivery::Display {
             return;
         }
         let mut links = Links::new(&s.network, s.processors);
         let bytes = if step == Step::Delivery { s.costs.delivered } else { s.costs.sample };
-        let mut merged = std::collections::HashMap::new();
+        merged.fill(0);
         for t in transfers {
             links.send(t.from, t.to, t.pixels * bytes);
-            *merged.entry(t.to).or_insert(0) += t.pixels;
+            merged[t.to] += t.pixels;
         }
         let traffic = links.traffic();
         if step == Step::Delivery {
             composed.delivery = traffic;
         } else {
-            let most = merged.values().copied().max().unwrap_or(0) as f64;
+            let most = merged.iter().copied().max().unwrap_or(0) as f64;
             composed.composition = composed.composition.then(traffic);
             composed.composition_seconds += s.network.seconds(&traffic) + most * s.costs.composite;
         }

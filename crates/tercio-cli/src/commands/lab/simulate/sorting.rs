@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio_lab::machines::{Machine, Operation, Packing, load};
-use tercio_lab::simulators::sorting::{Assignment, Organisation, Setting, SortReport, sweep};
+use tercio_lab::simulators::sorting::{Assignment, Organisation, Setting, SortReport, sweep, usual_group};
 use tercio_lab::workloads::{MAX_SCREEN_PIXELS, PolygonScene};
 
 use super::super::plan::NetworkName;
@@ -45,8 +45,9 @@ pub struct Sorting {
     /// Numbers of processors [default: the machine's].
     #[arg(short = 'n', long, value_name = "N,...", value_delimiter = ',', value_parser = ranks)]
     processors: Vec<usize>,
-    /// Processors of a group of sort-twice.
-    #[arg(short, long, value_name = "G,...", default_value = "16", value_delimiter = ',', value_parser = ranks)]
+    /// Processors of a group of sort-twice [default: 16, or all of fewer; of a machine whose processors are 'simd' the
+    /// most up to 16 that divide them].
+    #[arg(short, long, value_name = "G,...", value_delimiter = ',', value_parser = ranks)]
     group: Vec<usize>,
     /// Pixels along the edge of a region [default: the largest that gives every owner a region].
     #[arg(long, value_name = "PIXELS,...", value_delimiter = ',')]
@@ -127,11 +128,12 @@ impl Sorting {
         let mut plans = Vec::new();
         for &processors in counts {
             let network = self.network.map(Into::into);
-            let mut of_machine = Setting::of(machine, processors, size, network, &self.organisations())?;
+            let organisations = self.organisations(machine, processors);
+            let mut of_machine = Setting::of(machine, processors, size, network, &organisations)?;
             if self.unbatched {
                 of_machine.network.packing = Packing::OneAPolygon;
             }
-            for organisation in self.organisations() {
+            for organisation in organisations {
                 for (&region, assignment) in
                     edges.iter().flat_map(|e| self.assignment.iter().map(move |a| (e, a)))
                 {
@@ -151,12 +153,14 @@ impl Sorting {
         Ok(plans)
     }
 
-    fn organisations(&self) -> Vec<Organisation> {
+    fn organisations(&self, machine: &Machine, processors: usize) -> Vec<Organisation> {
+        let usual = [usual_group(machine, processors)];
+        let groups = if self.group.is_empty() { &usual[..] } else { &self.group };
         let of = |class: &Class| match class {
             Class::SortFirst => vec![Organisation::SortFirst],
             Class::SortMiddle => vec![Organisation::SortMiddle],
             Class::SortLast => vec![Organisation::SortLast],
-            Class::SortTwice => self.group.iter().copied().map(Organisation::SortTwice).collect(),
+            Class::SortTwice => groups.iter().copied().map(Organisation::SortTwice).collect(),
         };
         self.organisation.iter().flat_map(of).collect()
     }

@@ -141,3 +141,24 @@ fn a_line_under_another_one_is_wider() {
     assert!(width(&same, 0) > 2.0 * width(&same, 1));
     assert_eq!(width(&apart, 0), width(&apart, 1));
 }
+
+/// From the foot of the plot to its top, in dashes; the horizontal axis reaches that far.
+#[test]
+fn a_printed_place_without_a_height_is_an_upright_line() {
+    let ours = Series::line("ours", vec![(0.0, 1.0), (10.0, 8.0)]);
+    let plot = Plot::new("p", "Passes", Axis::linear("d"), Axis::linear("y")).with(ours);
+    let with = plot.clone().with(Series::printed_places("print", [20.0]));
+    let upright = |plot: &Plot| -> Vec<Vec<Vec<DVec2>>> {
+        let page = plot.page();
+        let lines = page.shapes.into_iter().filter_map(|s| match s {
+            Shape::Lines { lines, .. } => Some(lines),
+            _ => None,
+        });
+        lines.filter(|l| l.len() > 10 && l.iter().flatten().all(|p| (p.x - l[0][0].x).abs() < 1e-9)).collect()
+    };
+    assert!(upright(&plot).is_empty());
+    let [line] = &upright(&with)[..] else { panic!("one line") };
+    let ends = |of: fn(f64, f64) -> f64| line.iter().flatten().map(|p| p.y).reduce(of).unwrap();
+    assert!(ends(f64::max) - ends(f64::min) > 200.0, "{line:?}");
+    assert!(svg(&with).contains(">20<") && !svg(&plot).contains(">20<"));
+}

@@ -158,8 +158,8 @@ pub fn sparse_and_dense() -> Result<Findings, ExperimentError> {
     .with(Series::line_points("sparse, slots freed after a turn", after_turn))
     .with(Series::line_points("sparse, slots freed at the owner", at_owner))
     .with(Series::line("dense", formula.iter().map(|p| (p.0, dense)).collect()))
-    .with(Series::line("equation 4.5", formula).published_for("sparse, slots freed after a turn"))
-    .with(Series::points("crossing in print", vec![(printed, dense_printed)]).published());
+    .with(Series::line("equation 4.5", formula).like("sparse, slots freed after a turn"))
+    .with(Series::printed_places("crossing in print", [printed]));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::super::super::hidden::short;
 use super::super::super::sweep::sweep;
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Fit, Plot, Series, Table};
 use super::{SCREEN, crossover};
@@ -21,6 +22,8 @@ const DEFERRED: u64 = 98;
 
 /// A scene with both organisations.
 struct Pair {
+    /// All polygons; about half of them are visible.
+    polygons: f64,
     visible: f64,
     group: u32,
     middle: RingRun,
@@ -38,12 +41,10 @@ const FIRST_STRIDE: u32 = 16;
 /// A screen of as many pixels with a column for each of the 1,024 processors; the document's leaves 256 without one.
 const WIDE: (u32, u32) = (1024, 384);
 
-/// Random polygons all over the screen, half of them visible, of 10 x 10 pixels: the document gives no size.
-fn scene(polygons: u32) -> BoxScene {
-    scene_of(SCREEN, polygons, 10.0)
-}
+/// The side of the polygons of figure 6-6 in pixels: the document gives no size.
+const SIDE: f64 = 10.0;
 
-/// The same on another screen with squares of `side` pixels.
+/// Random polygons all over a screen, half of them visible, squares of `side` pixels.
 fn scene_of((width, height): (u32, u32), polygons: u32, side: f64) -> BoxScene {
     let spread = [Spread::Uniform; 2];
     let size = [side, side];
@@ -77,8 +78,8 @@ fn run_one(screen: (u32, u32), scene: &BoxScene, twice: bool) -> Result<RingRun,
     Ok(simulate(&machine, &algorithm, &map, scene)?)
 }
 
-fn pairs() -> Result<Vec<Pair>, ExperimentError> {
-    let scenes: Vec<_> = SIZES.par_iter().map(|&polygons| scene(polygons)).collect();
+fn pairs(side: f64) -> Result<Vec<Pair>, ExperimentError> {
+    let scenes: Vec<_> = SIZES.par_iter().map(|&polygons| scene_of(SCREEN, polygons, side)).collect();
     // The largest scenes take longest, so they start first; each run is a task of its own.
     let tasks: Vec<_> = scenes.iter().rev().flat_map(|scene| [(scene, false), (scene, true)]).collect();
     let mut runs = sweep(&tasks, |&(scene, twice)| run_one(SCREEN, scene, twice))?;
@@ -86,7 +87,7 @@ fn pairs() -> Result<Vec<Pair>, ExperimentError> {
         let visible = scene.visible() as f64;
         // Taken from the end: the smallest scene first, and for each scene sort-twice before sort-middle.
         let (twice, middle) = (runs.pop()?, runs.pop()?);
-        Some(Pair { visible, group: group(visible), middle, twice })
+        Some(Pair { polygons: scene.boxes.len() as f64, visible, group: group(visible), middle, twice })
     };
     Ok(scenes.iter().map_while(pair).collect())
 }
@@ -123,7 +124,7 @@ fn crossing(screen: (u32, u32), side: f64, cost: impl Fn(&RingRun) -> u64) -> Re
 }
 
 fn findings(
-    pairs: &[Pair],
+    (pairs, side): (&[Pair], f64),
     cost: impl Fn(&RingRun) -> u64,
     title: &str,
     remark: &str,
@@ -159,9 +160,11 @@ fn findings(
         format!("Sort-twice is cheaper from about {p:.0} visible polygons on.")
     });
     let remarks = vec![
-        "Scenes as the document describes them: random polygons all over the screen, half of them visible. Their size is \
-         not given; here they are 10 x 10 pixels."
-            .into(),
+        format!(
+            "Scenes as the document describes them: random polygons all over the screen, half of them visible. Their size is not \
+             given; here they are squares of {} pixels.",
+            short(side)
+        ),
         remark.into(),
         crossing,
     ];
@@ -228,9 +231,9 @@ fn crossings_of(sides: &[[f64; 3]]) -> String {
 pub fn communication() -> Result<Findings, ExperimentError> {
     let remark = "The document predicts 50,503 visible polygons for the crossing, with a slip in equation 6.8; \
         without it the formula gives 62,647.";
-    let pairs = pairs()?;
+    let pairs = pairs(SIDE)?;
     let title = "Instructions of communication";
-    let (mut findings, mut comparison) = findings(&pairs, RingRun::communication, title, remark)?;
+    let (mut findings, mut comparison) = findings((&pairs, SIDE), RingRun::communication, title, remark)?;
     for pair in &pairs {
         let ratio = pair.twice.communication() as f64 / predicted_twice(pair);
         // "Closely matches": within the 5 % that a plot of this kind can show.
@@ -241,11 +244,10 @@ pub fn communication() -> Result<Findings, ExperimentError> {
     let middle = Series::line("sort-middle, equation 5.5", equations(&|p| predicted_middle(p.visible)));
     let twice = Series::line("sort-twice, equations 6.5 and 6.3", equations(&predicted_twice));
     // The document's curves are lost; it says that they match its equations, and where they cross.
-    let in_print = Series::points("crossing in print", vec![(50_503.0, predicted_middle(50_503.0))]);
     findings.plots[0].series.extend([
-        middle.published_for(SORT_MIDDLE),
-        twice.published_for(SORT_TWICE),
-        in_print.published(),
+        middle.like(SORT_MIDDLE),
+        twice.like(SORT_TWICE),
+        Series::printed_places("crossing in print", [50_503.0]),
     ]);
     let (sides, crossings) = compare_sides(&mut comparison)?;
     findings.tables.push(sides);
@@ -267,29 +269,29 @@ pub fn communication() -> Result<Findings, ExperimentError> {
 pub fn frames() -> Result<Findings, ExperimentError> {
     let remark = "With geometry and rasterization, all polygons textured: 202 instructions a pixel for sort-middle, 98 for \
         sort-twice, which defers textures. The document has sort-twice ahead beyond 64,000 polygons.";
-    let (mut findings, mut comparison) =
-        findings(&pairs()?, RingRun::instructions, "Instructions of a frame", remark)?;
     let mut swept =
         Table::new("crossings", &[("side of a box", "px"), ("visible polygons", ""), ("all polygons", "")]);
     let crossings = sweep(&SIDES, |&side| Ok((side, crossing(SCREEN, side, RingRun::instructions)?)))?;
     crossings.iter().for_each(|&(side, p)| swept.push([side.into(), p.into(), (2.0 * p).into()]));
     let input = "side of the boxes in pixels";
     let all = crossings.iter().map(|&(side, p)| (side, 2.0 * p)).collect();
-    comparison.fit_one_of(vec![
-        Fit::new("64,000 as visible polygons", input, "64000", crossings),
-        Fit::new("64,000 as all polygons, half of them visible", input, "64000", all),
-    ]);
+    let of_all = Fit::new("64,000 as all polygons, half of them visible", input, "64000", all);
+    // The curves are those of boxes with which they cross as in print, if there are such boxes.
+    let side = of_all.intervals().first().map_or(SIDE, |[from, to]| 0.5 * (from + to));
+    let pairs = pairs(side)?;
+    let title = "Instructions of a frame";
+    let (mut findings, mut comparison) = findings((&pairs, side), RingRun::instructions, title, remark)?;
+    comparison.fit_one_of(vec![Fit::new("64,000 as visible polygons", input, "64000", crossings), of_all]);
     findings.tables.push(swept);
     findings.verdict = comparison.qualitative(
         "The size of the random polygons is not given, nor whether the axis counts all of them.",
     );
-    // The document's curves are lost but for the place where they cross.
-    let middle = &findings.plots[0].series[0].points;
-    let at_64_000 = middle.windows(2).find(|w| w[0].0 <= 64e3 && 64e3 < w[1].0).map(|w| {
-        let share = (64e3f64 / w[0].0).ln() / (w[1].0 / w[0].0).ln();
-        (64e3, w[0].1 * (w[1].1 / w[0].1).powf(share))
-    });
-    let crossing = Series::points("crossing in print", at_64_000.into_iter().collect()).published();
-    findings.plots[0].series.push(crossing);
+    // The document's curves are lost but for the place where they cross, which fits as a number of all polygons.
+    let plot = &mut findings.plots[0];
+    plot.x = Axis::log10("polygons, half of them visible");
+    for series in &mut plot.series {
+        series.points.iter_mut().zip(&pairs).for_each(|(point, pair)| point.0 = pair.polygons);
+    }
+    plot.series.push(Series::printed_places("crossing in print, as all polygons", [64e3]));
     Ok(findings)
 }

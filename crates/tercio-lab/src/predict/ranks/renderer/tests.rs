@@ -124,7 +124,7 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     work.messages.gathered = (0, 0);
     let mut seconds_of_a_byte = |topology| {
         machine.processors.per_node.as_mut().unwrap().value = 1.0;
-        1.0 / on_network(&NetworkModel::of(&machine, Some(topology)).unwrap(), &work).bandwidth
+        1.0 / on_network(&NetworkModel::of(&machine, Some(topology)).unwrap(), &work, 0.0).bandwidth
     };
     let crossbar = seconds_of_a_byte(Topology::Crossbar);
     let ring = seconds_of_a_byte(Topology::Ring);

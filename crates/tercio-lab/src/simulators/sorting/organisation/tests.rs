@@ -46,6 +46,18 @@ fn scene(boxes: &[(i32, i32, i32, i32)]) -> BoxScene {
     BoxScene { boxes: boxes.iter().map(of).collect() }
 }
 
+/// For every number of processors; of a ring's those that divide it.
+#[test]
+fn the_usual_group_is_one_that_the_machine_can_have() {
+    let [ring, cluster] =
+        ["princeton-engine", "cluster-64"].map(|n| crate::machines::builtin(n).unwrap().unwrap());
+    for processors in 1..300 {
+        let divisors = (1..=processors.min(16)).filter(|group| processors % group == 0);
+        assert_eq!(usual_group(&ring, processors), divisors.max().unwrap());
+        assert_eq!(usual_group(&cluster, processors), processors.min(16));
+    }
+}
+
 #[test]
 fn sort_middle_by_hand() {
     // Four owners of 32x32 pixels. Polygon 0 lies in all four, polygon 1 in the last one.
