@@ -94,8 +94,8 @@ pub struct RunningArgs {
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<usize>,
     /// Most memory that models and pictures may take, such as 500M, 2G or 2Gi; what needs more is refused. The
-    /// program itself comes on top, with 16 MB at most [default: what the machine, the control groups and
-    /// 'ulimit' leave].
+    /// program itself comes on top: 4 MB at most, and the pages of its file, up to 16 MB [default: what the
+    /// machine, the control groups and 'ulimit' leave].
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     memory_limit: Option<u64>,
     /// When to show progress on standard error.

@@ -4,8 +4,8 @@
 //! system refuses, ends the program with one line and an exit code ([`crate::ending`]). In most cases the demand of a
 //! stage is known in advance, and the library reports it in better words; this is for all other cases.
 //!
-//! The limit is kept to within 16 MB, of which about 10 are the program itself. Counted are the blocks of the heap as
-//! they are allocated, mapped model files, and the stacks of threads.
+//! The limit is kept to within 4 MB, and the pages of the program's own file, which all processes share and the system drops
+//! when memory is short. Counted are the blocks of the heap as they are allocated, mapped model files, and the stacks of threads.
 
 mod allocator;
 mod count;
