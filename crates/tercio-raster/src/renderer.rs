@@ -1,5 +1,6 @@
 //! The renderer: executes the stages of a frame.
 
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -31,6 +32,9 @@ pub fn batches(clusters: usize, workers: usize) -> usize {
 
 /// Only tiles with more entries than this are shared between threads.
 const MIN_SHARED_ENTRIES: u64 = 64;
+
+/// Tiles with less of the work than a worker's part of it divided by this are drawn in their order.
+const SHORT_TILES: u64 = 8;
 
 /// Draws scenes; reuses its memory from frame to frame. Runs in the rayon pool it is called in.
 ///
@@ -291,6 +295,27 @@ fn level(context: &FrameContext) -> Level {
     simd.level().unwrap_or_else(|| unreachable!("`Settings::check` accepts only levels of this processor"))
 }
 
+/// Tiles in the order in which workers draw them, of which each begins with a block of the same number and helps others in the end. Long
+/// tiles come first in the blocks, as one that is begun last keeps a worker busy while the others have nothing to do; short ones follow
+/// in their order, in which neighbours have clusters in common.
+fn in_order(tiles: Vec<u32>, fill: impl Fn(u32) -> u64, workers: usize) -> Vec<u32> {
+    if workers <= 1 {
+        return tiles;
+    }
+    let count = tiles.len();
+    let limit = tiles.iter().map(|&tile| fill(tile)).sum::<u64>() / (SHORT_TILES * workers as u64);
+    let (mut long, short): (Vec<u32>, Vec<u32>) = tiles.into_iter().partition(|&tile| fill(tile) > limit);
+    long.sort_by_key(|&tile| Reverse(fill(tile)));
+    let (mut ordered, mut short) = (Vec::with_capacity(count), short.into_iter());
+    for block in 0..workers {
+        ordered.extend(long.iter().skip(block).step_by(workers));
+        let end = count * (block + 1) / workers;
+        ordered.extend(short.by_ref().take(end.saturating_sub(ordered.len())));
+    }
+    ordered.extend(short);
+    ordered
+}
+
 /// The back end's work on one frame.
 struct Tiles<'a> {
     context: &'a FrameContext<'a>,
@@ -300,8 +325,8 @@ struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// Draws a set of tiles: the few that hold a large fraction of the work one after another, each by all workers
-    /// together; the others in parallel, each by one worker.
+    /// Draws a set of tiles: those that hold more than a worker's part of the work one after another, each by all workers
+    /// together; the others in parallel, each by one worker, the longest first.
     fn draw<T: DrawTile>(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> T::Frame {
         let workers = self.context.workers;
         let tiles = self.context.grid.count() as u32;
@@ -313,14 +338,14 @@ impl Tiles<'_> {
         let may_share = workers > 1 && !self.context.is_translucent();
         if may_share && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
-            let heavy = |tile: &u32| fill(*tile) > MIN_SHARED_ENTRIES.max(work / (2 * workers as u64));
+            let heavy = |tile: &u32| fill(*tile) > MIN_SHARED_ENTRIES.max(work / workers as u64);
             (shared, alone) = alone.into_iter().partition(heavy);
         }
         let tallies =
             shared.into_iter().map(|tile| self.draw_shared::<T>(tile, scratch).into_frame(tile, true));
         let tallies = tallies.fold(T::Frame::default(), T::join);
         let scratch = &*scratch;
-        let drawn_alone = alone
+        let drawn_alone = in_order(alone, fill, workers)
             .into_par_iter()
             .with_max_len(1)
             .map(|tile| {
@@ -365,5 +390,24 @@ impl Tiles<'_> {
     fn draw_tile<T: DrawTile>(&self, tile: u32, stage: Stage, scratch: &mut Scratch) -> T {
         let &Tiles { context, sorted, canvas, level } = self;
         T::draw(level, TileTask { context, bins: &sorted.bins, tile, stage, scratch, canvas })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_order;
+
+    #[test]
+    fn each_worker_begins_with_its_longest_tiles() {
+        // Of 160, more than 160 / 8 / 2 are long.
+        let fill = |tile: u32| [1, 2, 30, 4, 50, 3, 40, 5, 20, 5][tile as usize];
+        assert_eq!(in_order((0..10).collect(), fill, 2), [4, 2, 0, 1, 3, 6, 8, 5, 7, 9]);
+        assert_eq!(in_order((0..10).collect(), fill, 1), Vec::from_iter(0..10));
+        assert_eq!(in_order(Vec::new(), fill, 4), []);
+        for workers in 1..20 {
+            let mut all = in_order((0..10).collect(), fill, workers);
+            all.sort_unstable();
+            assert_eq!(all, Vec::from_iter(0..10), "{workers} workers");
+        }
     }
 }
