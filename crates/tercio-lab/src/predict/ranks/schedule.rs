@@ -74,7 +74,7 @@ const SLEEPS: f64 = 1.0 / 16.0;
 const LONGEST: f64 = 2e-3;
 const LONGER: f64 = 50e-6;
 
-/// The longest time for which the share of a processor that polling ranks take is the same.
+/// The longest time for which the share of a processor that polling ranks take is the same, until all of their sleeps have the same length.
 const STEP: f64 = 100e-6;
 
 /// How often a second a process that has waited for so many seconds wakes up to poll.
@@ -190,7 +190,7 @@ impl Play<'_> {
         if next.is_infinite() {
             return false;
         }
-        if self.share_processors() {
+        if running.iter().any(|&rank| self.pace_changes(rank)) {
             next = next.min(STEP);
         }
         let paces: Vec<f64> = running.iter().map(|&rank| self.pace(rank)).collect();
@@ -223,17 +223,24 @@ impl Play<'_> {
             && self.states.len() > self.processors
     }
 
+    /// How long each rank has waited that polls on the processor of a running one.
+    fn polling_beside(&self, rank: usize) -> impl Iterator<Item = f64> {
+        let states = self.states.iter().enumerate().filter(|_| self.share_processors());
+        states.filter_map(move |(other, state)| match *state {
+            State::Waiting { since, .. } if self.home(other) == self.home(rank) => Some(self.now - since),
+            _ => None,
+        })
+    }
+
     /// The share of a processor that a running rank has.
     fn pace(&self, rank: usize) -> f64 {
         let Noticed::Polling(nap) = self.wires.noticed else { return 1.0 };
-        if !self.share_processors() {
-            return 1.0;
-        }
-        let waited = self.states.iter().enumerate().filter_map(|(other, state)| match *state {
-            State::Waiting { since, .. } if self.home(other) == self.home(rank) => Some(self.now - since),
-            _ => None,
-        });
-        1.0 / (1.0 + nap * waited.map(naps_per_second).sum::<f64>())
+        1.0 / (1.0 + nap * self.polling_beside(rank).map(naps_per_second).sum::<f64>())
+    }
+
+    /// Whether that share changes before anything happens.
+    fn pace_changes(&self, rank: usize) -> bool {
+        self.polling_beside(rank).any(|waited| waited * SLEEPS < LONGEST)
     }
 
     /// Takes the first rank out of the queue for which a processor is free.
@@ -396,6 +403,10 @@ mod tests {
         // While it takes time, less work is done.
         assert!(taken > 0.85 * 20e-6 * naps && taken < 20e-6 * naps, "{taken} {naps}");
         assert!((shared.busy[0] - 4e-3).abs() < 1e-12 && (shared.queued - taken).abs() < 1e-12, "{shared:?}");
+        // Work of any length is played at once, in the end with sleeps of the same length.
+        let programs = [vec![Step::Take { from: 1 }], vec![work(1e6), Step::Send { to: 0, bytes: 100 }]];
+        let long = play(&programs, 1, Wires { noticed: Noticed::Polling(20e-6), ..AT_ONCE })[1].end;
+        assert!((long / 1e6 - (1.0 + 20e-6 / (LONGEST + LONGER))).abs() < 1e-6, "{long}");
     }
 
     #[test]
