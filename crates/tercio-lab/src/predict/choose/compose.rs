@@ -98,7 +98,8 @@ impl SharedTiles {
             messages: self.partners.min(of_rank[1]).ceil(),
             out: sent * bytes,
             into: taken * bytes,
-            work: owned * stage.rates.merged + (sent + taken) * bytes * stage.rates.byte,
+            work: if stage.rates.fragments { owned } else { taken } * stage.rates.merged
+                + (sent + taken) * bytes * stage.rates.byte,
         });
         let loads: Vec<Load> = loads.collect();
         Composited { seconds: stage.exchange(&loads, self.owners_of_the_same()), sent: Sums::of(&loads) }

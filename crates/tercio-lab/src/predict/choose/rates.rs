@@ -54,7 +54,7 @@ pub struct Rates {
     pub shown: f64,
     /// Keeping what is drawn for compositing: of a pixel its key, or a fragment; including packing.
     pub kept: f64,
-    /// Merging a pixel or fragment that another rank sent.
+    /// Merging a pixel that another rank sent with one that a rank has, or any fragment with others.
     pub merged: f64,
     /// Packing and unpacking a finished pixel.
     pub collected: [f64; 2],
@@ -83,8 +83,9 @@ impl Rates {
         let colors = settings.outputs.pixel_bytes() as f64;
         let of_spans = cost(Operation::UnpackedSpan) / SPAN;
         let finished_bytes = colors + SPAN_HEAD / SPAN;
-        // Of a description without this cost, the two samples of a pixel unpacked.
-        let merged = machine.seconds(Operation::MergedPixel).unwrap_or(2.0 * cost(Operation::UnpackedSample));
+        // As for counted ranks: of a description without this cost a sample unpacked. A pixel that is received is merged with one that a
+        // rank has.
+        let merged = 2.0 * machine.seconds(Operation::MergedPixel).unwrap_or(cost(Operation::UnpackedSample));
         Self {
             cluster: cost(Operation::Cluster),
             entry: cost(Operation::ClusterEntry),
