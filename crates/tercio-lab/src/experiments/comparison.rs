@@ -126,12 +126,11 @@ impl Comparison {
     }
 
     /// The swept inputs, how many numbers each has to explain, and the intervals in which it explains all of them.
-    /// Numbers with several meanings stand for themselves, and so do all of an input that does not give one of them.
+    /// Numbers with several meanings stand for themselves; those that no value of the input gives are not among them.
     fn inputs(&self) -> Vec<(&'static str, usize, Vec<[f64; 2]>)> {
         let mut all: Vec<(&'static str, usize, Vec<[f64; 2]>)> = Vec::new();
         let alone = || self.fits.iter().filter(|readings| readings.len() == 1).flatten();
-        let gives_each = |input| alone().all(|fit| fit.input != input || fit.meets());
-        for fit in alone().filter(|fit| gives_each(fit.input)) {
+        for fit in alone().filter(|fit| fit.meets()) {
             let intervals = fit.intervals();
             match all.iter_mut().find(|i| i.0 == fit.input) {
                 Some(known) => {
@@ -228,10 +227,22 @@ impl Comparison {
             if numbers > 1 && intervals.is_empty() {
                 let of = self.fits.iter().flatten().filter(|fit| fit.input == input && fit.meets());
                 let each: Vec<_> = of.map(Fit::text).collect();
-                parts.push(format!("no {input} gives all {numbers} numbers ({})", each.join(", but ")));
+                parts.push(format!(
+                    "no {input} gives {} ({})",
+                    self.all_of(input, numbers),
+                    each.join(", but ")
+                ));
             }
         }
         parts
+    }
+
+    /// How many numbers an input gives: all, or all but those that none of its values gives.
+    fn all_of(&self, input: &str, numbers: usize) -> String {
+        let misses =
+            |readings: &Vec<Fit>| matches!(&readings[..], [fit] if fit.input == input && !fit.meets());
+        let other = if self.fits.iter().any(misses) { "other " } else { "" };
+        format!("all {numbers} {other}numbers")
     }
 
     /// What holds.
@@ -247,7 +258,11 @@ impl Comparison {
         parts.extend(fits.filter(|fit| fit.meets()).map(Fit::text));
         for (input, numbers, intervals) in &inputs {
             if *numbers > 1 && !intervals.is_empty() {
-                parts.push(format!("{input} of {} gives all {numbers} numbers", in_words(intervals)));
+                parts.push(format!(
+                    "{input} of {} gives {}",
+                    in_words(intervals),
+                    self.all_of(input, *numbers)
+                ));
             }
         }
         parts.extend(self.claims.iter().filter(|c| c.1).map(|c| c.0.clone()));

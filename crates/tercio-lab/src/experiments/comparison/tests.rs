@@ -170,6 +170,11 @@ fn an_input_that_misses_one_number_may_give_another() {
         "{text}"
     );
     assert!(!text.contains("all 2"), "{text}");
+    // Those that it gives, but not together, do not agree either.
+    comparison.fit(line("c", "50", 10.0));
+    let text = comparison.verdict().text();
+    assert!(text.contains("no clumping gives all 2 other numbers (a: with clumping"), "{text}");
+    assert!(!text.contains("Agrees"), "{text}");
 }
 
 #[test]
