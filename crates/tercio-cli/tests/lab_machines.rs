@@ -122,7 +122,7 @@ fn ranks_share_processors_only_if_that_is_asked_for() {
     assert!(own.text().starts_with("2 ranks, sort-last"), "{}", own.text());
     predict("-O sort-middle -n 3 --share-processors")
         .failed(1, &["the simulator gives each rank a processor (of the renderer's", "found 3"]);
-    predict("-n 2 --share-processors").failed(1, &["--share-processors is for ranks"]);
+    predict("-n 2 --share-processors").failed(2, &["--share-processors is for ranks"]);
     let one = predict("-n 1").ok_silently();
     assert!(one.text().starts_with("1 thread\n"), "{}", one.text());
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use tercio::image::Destination;
@@ -18,7 +18,7 @@ use tercio_lab::words::counted as counted_words;
 
 use super::plan::{Counted, MachineArgs, PictureArgs};
 use crate::args::RunningArgs;
-use crate::output::write_text;
+use crate::output::{UsageError, write_text};
 
 /// Predicts a frame of the renderer: time of each phase, bytes, imbalance, memory.
 ///
@@ -95,9 +95,8 @@ impl Predict {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         if self.share_processors && self.organisation == OrganisationName::Threads {
-            bail!(
-                "--share-processors is for ranks: expected --organisation sort-first or sort-last, found threads"
-            );
+            let text = "--share-processors is for ranks: expected --organisation sort-first or sort-last, found threads";
+            return Err(UsageError(text.into()).into());
         }
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine(self.running.quiet)?;
