@@ -116,9 +116,13 @@ fn speeds(m: &Machine) -> Result<(), Wrong> {
     within("processors", "clock", p.clock.as_ref(), CLOCKS, " Hz")?;
     within("processors", "memory-bandwidth", p.memory_bandwidth.as_ref(), BANDWIDTHS, " B/s")?;
     at_most("processors", "wake-up", p.wake_up.as_ref(), MOST_SECONDS, " s")?;
-    for (key, bytes) in
-        [("memory", &p.memory), ("own-cache", &p.own_cache), ("shared-cache", &p.shared_cache)]
-    {
+    at_most("processors", "nap", p.nap.as_ref(), MOST_SECONDS, " s")?;
+    for (key, bytes) in [
+        ("memory", &p.memory),
+        ("own-cache", &p.own_cache),
+        ("shared-cache", &p.shared_cache),
+        ("exchange-cache", &p.exchange_cache),
+    ] {
         at_most("processors", key, bytes.as_ref(), MOST_MEMORY, " B")?;
     }
     for (section, network) in [("network", &m.network), ("node", &m.node), ("mpi", &m.mpi)] {

@@ -110,6 +110,9 @@ pub struct Processors {
     /// Cache that the processors share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shared_cache: Option<Sourced<Bytes>>,
+    /// Part of the shared cache that pictures and messages of ranks stay in, beside the model and other programs; half of it by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exchange_cache: Option<Sourced<Bytes>>,
     /// Processors that share one memory, which the section `node` describes; all of them by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_node: Option<Sourced<Count>>,

@@ -76,7 +76,7 @@ pub enum Operation {
     PictureKey,
     /// One visibility key made for a shaded pixel.
     ShadedKey,
-    /// One line of memory of keys written that no cache holds.
+    /// One line of memory of keys written that `processors.exchange-cache` does not hold.
     KeyLine,
     /// One pixel of a rank's picture scanned before it is sent.
     ScannedPixel,
@@ -92,7 +92,7 @@ pub enum Operation {
     MergedPixel,
     /// One pixel of another rank's region set to the background.
     ClearedPixel,
-    /// One line of memory of pictures and messages that no cache holds.
+    /// One line of memory of pictures and messages that `processors.exchange-cache` does not hold.
     ExchangeLine,
     /// One cluster looked at, to divide the picture among ranks by the work in its tiles.
     SurveyedCluster,

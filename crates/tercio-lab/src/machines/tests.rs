@@ -101,7 +101,7 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(broken.starts_with("m.toml:15:"), "{broken}");
 }
 
-/// Of every number that times are divided by, or that memory and time of a simulation grow with, one that no machine has.
+/// Of numbers that times are divided by, or that memory and time of a simulation grow with, those that no machine has.
 #[test]
 fn numbers_that_no_machine_has_are_refused() {
     let text = builtin("hybris-dual-cpu").unwrap().unwrap().to_toml().unwrap();
@@ -116,7 +116,10 @@ fn numbers_that_no_machine_has_are_refused() {
     };
     refused(&text, "heap", "heaps", "1000000", "at most 64");
     refused(&text, "tile-engine", "engines", "1000000", "at most 1024");
-    let text = builtin("cluster-64").unwrap().unwrap().to_toml().unwrap();
+    let mut cluster = builtin("cluster-64").unwrap().unwrap();
+    cluster.processors.nap = Some(Sourced::new(20e-6, "20 us".into(), "a test".into()));
+    cluster.processors.exchange_cache = Some(Sourced::new(8e6, "8 MB".into(), "a test".into()));
+    let text = cluster.to_toml().unwrap();
     for section in ["network", "node"] {
         refused(&text, section, "bandwidth", "1e300 B/s", "at most 1000000000000000 B/s");
         refused(&text, section, "bandwidth", "1e-300 B/s", "at least 1 B/s");
@@ -124,6 +127,8 @@ fn numbers_that_no_machine_has_are_refused() {
         refused(&text, section, "hop", "1e300 s", "at most 1000 s");
     }
     refused(&text, "processors", "wake-up", "1e300 s", "at most 1000 s");
+    refused(&text, "processors", "nap", "1e300 s", "at most 1000 s");
+    refused(&text, "processors", "exchange-cache", "1e300 B", "at most 1125899906842624 B");
     refused(&text, "processors", "own-cache", "1e300 B", "at most 1125899906842624 B");
 }
 

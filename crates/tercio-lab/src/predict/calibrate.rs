@@ -409,6 +409,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
             memory_bandwidth: Some(rate(memory_bandwidth(o.threads))),
             own_cache: cache(2),
             shared_cache: cache(3),
+            exchange_cache: None,
             per_node: None,
             serial: None,
             wake_up: None,

@@ -32,6 +32,8 @@ pub struct Caches {
     pub own: f64,
     /// Shared caches.
     pub shared: f64,
+    /// The part of them that pictures and messages of ranks stay in.
+    pub exchange: f64,
 }
 
 impl Caches {
@@ -39,12 +41,18 @@ impl Caches {
     pub fn of(machine: &Machine, threads: usize) -> Self {
         let p = &machine.processors;
         let bytes = |cache: &Option<_>| cache.as_ref().map(|c: &crate::machines::Sourced<_>| c.value);
+        let shared = bytes(&p.shared_cache).unwrap_or(f64::INFINITY);
         Self {
             own: bytes(&p.own_cache).map_or(f64::INFINITY, |b| b * threads as f64),
-            shared: bytes(&p.shared_cache).map_or(f64::INFINITY, |b| b),
+            shared,
+            exchange: bytes(&p.exchange_cache).unwrap_or(EXCHANGE_SHARE * shared),
         }
     }
 }
+
+/// The share of a cache that is available to pictures and messages of ranks if nobody measured it; the model, the bins and other
+/// programs take the rest.
+const EXCHANGE_SHARE: f64 = 0.5;
 
 /// Bytes of a line of memory.
 const LINE: f64 = 64.0;
@@ -111,8 +119,8 @@ pub fn need_costs(machine: &Machine) -> Result<(), MachineError> {
 
 /// Work of a frame that a description charges nothing for, because it is from before calibrations measured it, where that makes a
 /// difference: colours of pixels, clusters that are taken apart, and, if no two triangles share a vertex (`is_loose`), the stamps of
-/// hidden clusters, which are few in other models. A calibrated machine without one of these costs is one whose fit made it zero, and a
-/// machine without costs of clusters does not draw like the renderer.
+/// hidden clusters, which are few in other models; not what occurs less than [`FEW`] times. A calibrated machine without one of these
+/// costs is one whose fit made it zero, and a machine without costs of clusters does not draw like the renderer.
 pub fn uncharged(machine: &Machine, c: &Counters, is_loose: bool) -> Vec<(Operation, u64)> {
     if machine.calibration.is_some() || !knows_clusters(machine) {
         return Vec::new();
@@ -122,8 +130,11 @@ pub fn uncharged(machine: &Machine, c: &Counters, is_loose: bool) -> Vec<(Operat
         (Operation::ColoredShading, c.shadings_colored),
         (Operation::ClusterApart, c.clusters_apart),
     ];
-    occur.into_iter().filter(|(o, count)| *count > 0 && !machine.costs.contains_key(o)).collect()
+    occur.into_iter().filter(|(o, count)| *count >= FEW && !machine.costs.contains_key(o)).collect()
 }
+
+/// Fewer make no difference: calibrations have found costs of less than 100 ns each; 100 us is about what a thread takes to wake up.
+const FEW: u64 = 1000;
 
 /// A predicted frame in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -228,11 +239,11 @@ pub fn waking(machine: &Machine, threads: usize) -> f64 {
     wake_up * (1.0 - 1.0 / threads.max(1) as f64)
 }
 
-/// The busiest thread's share of the work on the tiles: a free thread takes the next tile, and tiles that all draw
+/// The busiest thread's share of the work on the tiles: a free thread takes the longest tile that is left, and tiles that all draw
 /// together come first. Of these, one thread merges what the others have drawn, shades it and writes the pixels.
 fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads: usize) -> f64 {
     let read = counted.frame.bytes_read.max(1) as f64;
-    let fits = Caches { own: f64::INFINITY, shared: f64::INFINITY };
+    let fits = Caches { own: f64::INFINITY, shared: f64::INFINITY, exchange: f64::INFINITY };
     let frame = machine.seconds_or_0(Operation::Frame);
     // All of a tile, and of that the end, which one thread does.
     let seconds = |tile: &TileWork| {
@@ -248,9 +259,12 @@ fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads
             busy.iter_mut().for_each(|b| *b += (seconds - end) / threads as f64 + end);
         }
     }
-    for tile in counted.tiles.iter().filter(|t| !t.is_shared) {
+    let mut alone: Vec<f64> =
+        counted.tiles.iter().filter(|t| !t.is_shared).map(|tile| seconds(tile).0).collect();
+    alone.sort_by(|a, b| b.total_cmp(a));
+    for seconds in alone {
         if let Some(free) = busy.iter_mut().min_by(|a, b| a.total_cmp(b)) {
-            *free += seconds(tile).0;
+            *free += seconds;
         }
     }
     let busiest = busy.iter().copied().fold(0.0, f64::max);
@@ -279,6 +293,8 @@ mod tests {
         near(share(&[tile(4, false), tile(4, false), tile(4, false)], 2), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, false), tile(2, false)], 4), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, true), tile(2, false)], 4), 4.0 / 12.0);
+        // The longest tile is begun first, wherever it is.
+        near(share(&[tile(2, false), tile(2, false), tile(8, false)], 2), 8.0 / 12.0);
         // Shading a tile that all have drawn is one thread's.
         let shadings = 8;
         let shaded = TileWork { counters: Counters { shadings, ..Counters::default() }, is_shared: true };
@@ -347,15 +363,13 @@ mod tests {
 
     #[test]
     fn work_that_old_descriptions_do_not_charge_is_named() {
-        let c = Counters { hidden_stamps: 7, shadings_colored: 3, ..Counters::default() };
+        let c = Counters { hidden_stamps: FEW, shadings_colored: 2 * FEW, ..Counters::default() };
         let machine = builtin("two-core-2026").unwrap().unwrap();
-        let both = [(Operation::HiddenStamp, 7), (Operation::ColoredShading, 3)];
+        let both = [(Operation::HiddenStamp, FEW), (Operation::ColoredShading, 2 * FEW)];
         assert_eq!(uncharged(&machine, &c, true), both);
         assert_eq!(uncharged(&machine, &c, false), both[1..]);
-        assert!(
-            uncharged(&machine, &Counters::default(), true).is_empty(),
-            "what does not occur costs nothing"
-        );
+        let few = Counters { hidden_stamps: FEW - 1, clusters_apart: FEW - 1, ..Counters::default() };
+        assert!(uncharged(&machine, &few, true).is_empty(), "what occurs rarely costs next to nothing");
         let polygons = builtin("hybris-single-cpu").unwrap().unwrap();
         assert!(uncharged(&polygons, &c, true).is_empty(), "a machine that draws without clusters");
         let mut with = machine.clone();
@@ -381,7 +395,7 @@ mod tests {
         let c = Counters { bytes_touched: 10_000, ..Counters::default() };
         let lines = |own: f64, shared: f64| {
             let of = |o| move |c: &(Phase, Operation, f64)| c.1 == o;
-            let all = charges(&c, Caches { own, shared });
+            let all = charges(&c, Caches { own, shared, exchange: shared });
             [Operation::CacheLine, Operation::MemoryLine].map(|o| all.iter().find(|c| of(o)(c)).unwrap().2)
         };
         assert_eq!(lines(10_000.0, 20_000.0), [0.0, 0.0]);

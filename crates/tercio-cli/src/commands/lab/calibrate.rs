@@ -128,7 +128,7 @@ impl Calibrate {
         };
         let mut calibration = pool.install(|| calibrate(options, mpi, progress))?;
         progress(Progress::Next("ranks"));
-        let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
+        let costs = ranks::calibrate::measure(self.frames, self.rounds, &calibration.machine)?;
         ranks::calibrate::describe(
             &costs,
             "fitted by tercio lab calibrate to ranks",

@@ -69,7 +69,8 @@ pub fn processors(comm: &mut mpi::Comm, own: usize) -> Result<usize> {
 /// # Errors
 /// What went wrong.
 pub fn of_this_process(machine: &Machine, table: Table, display: &Display) -> Result<Vec<Row>> {
-    let costs = costs(machine, table, display)?;
+    let machine = &with_costs(machine, table, display)?;
+    let costs = ExchangeCosts::of(machine)?;
     Ok(compare(machine, &costs, table, MeasuredRanks::draw, begin(table, display))?)
 }
 
@@ -83,20 +84,23 @@ pub fn of_processes(
     comm: &mut mpi::Comm,
     display: &Display,
 ) -> Result<Vec<Row>> {
-    let costs = costs(machine, table, display)?;
+    let machine = &with_costs(machine, table, display)?;
+    let costs = ExchangeCosts::of(machine)?;
     let draw = |scene: &_, camera: &_, sharing: &_, frames| {
         MeasuredRanks::draw_between(comm, scene, camera, sharing, frames)
     };
     Ok(compare(machine, &costs, table, draw, begin(table, display))?)
 }
 
-/// Costs of ranks that the description lacks are measured first.
-fn costs(machine: &Machine, table: Table, display: &Display) -> Result<ExchangeCosts> {
-    if ExchangeCosts::are_known(machine) {
-        return Ok(ExchangeCosts::of(machine)?);
+/// A description with costs of ranks, which are measured if it lacks them.
+fn with_costs(machine: &Machine, table: Table, display: &Display) -> Result<Machine> {
+    let mut machine = machine.clone();
+    if !ExchangeCosts::are_known(&machine) {
+        display.stage("measuring this machine");
+        let measured = calibrate::measure(table.options.frames, table.options.rounds, &machine)?;
+        calibrate::describe(&measured, "measured by tercio lab validate", &mut machine);
     }
-    display.stage("measuring this machine");
-    Ok(calibrate::measure(table.options.frames, table.options.rounds)?)
+    Ok(machine)
 }
 
 fn begin(table: Table, display: &Display) -> impl FnMut() {

@@ -13,11 +13,6 @@ const LINE: f64 = 64.0;
 const KEY: f64 = 8.0;
 const COLOR: f64 = 4.0;
 
-/// The share of a cache that is available to pictures and messages; the model, the bins and other programs take the
-/// rest. On the machine of `docs/laboratory/ranks.md` scanning a picture of half the nominal size takes halfway between
-/// the times for a picture in cache and one in memory.
-const CACHE_SHARE: f64 = 0.5;
-
 /// Kinds of work that are charged.
 pub const KINDS: usize = 13;
 
@@ -51,12 +46,17 @@ pub struct ExchangeCosts(pub Charges);
 impl ExchangeCosts {
     /// Whether a description has costs of ranks.
     pub fn are_known(machine: &Machine) -> bool {
-        OPERATIONS.iter().any(|&o| machine.seconds(o).is_some())
+        Self::are_fitted(machine) || OPERATIONS.iter().any(|&o| machine.seconds(o).is_some())
     }
 
-    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero. Those that older
-    /// descriptions lack are then others: of dividing a picture, those of `--organisation auto`; of merging a pixel, the two
-    /// samples of one of both pixels unpacked.
+    /// Whether all that a description has are fitted, those of zero omitted: the cache that ranks have is fitted with them.
+    fn are_fitted(machine: &Machine) -> bool {
+        machine.processors.exchange_cache.is_some()
+    }
+
+    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero. Older descriptions, without
+    /// `processors.exchange-cache`, lack some that are then others: of dividing a picture, those of `--organisation auto`; of merging a
+    /// pixel, a sample unpacked.
     ///
     /// # Errors
     /// [`MachineError::Missing`] if it has none at all.
@@ -64,6 +64,7 @@ impl ExchangeCosts {
         let known = Self::are_known(machine).then_some(&());
         machine.need(known, "costs.scanned-pixel")?;
         let usual = |operation| match operation {
+            _ if Self::are_fitted(machine) => 0.0,
             Operation::SurveyedCluster => rates::SURVEYED,
             Operation::DividedTile => rates::DIVIDED,
             Operation::MergedPixel => machine.seconds_or_0(Operation::UnpackedSample),
@@ -109,8 +110,8 @@ pub struct Exchange<'a> {
 }
 
 impl<'a> Exchange<'a> {
-    /// `together` ranks share a memory, with a cache of `cache` bytes. Messages are `copied`, or their memory is handed
-    /// over.
+    /// `together` ranks share a memory, with a cache of which their pictures and messages have `cache` bytes. Messages are
+    /// `copied`, or their memory is handed over.
     pub fn new(
         sharing: &'a Sharing,
         messages: &'a Messages,
@@ -236,9 +237,9 @@ fn samples(pixels: Pixels, keys: bool) -> f64 {
     pixels.pixels as f64 * if keys { 2.0 } else { 1.0 }
 }
 
-/// The share of memory, scanned repeatedly, that misses a cache.
+/// The share of memory, scanned repeatedly, that misses a cache of so many bytes.
 pub fn missed(bytes: f64, cache: f64) -> f64 {
-    if bytes > 0.0 { (1.0 - CACHE_SHARE * cache / bytes).max(0.0) } else { 0.0 }
+    if bytes > 0.0 { (1.0 - cache / bytes).max(0.0) } else { 0.0 }
 }
 
 /// The keys of tiles with so many pixels, of which so many show something.
@@ -260,7 +261,7 @@ mod tests {
 
     #[test]
     fn memory_that_fits_into_the_cache_takes_no_time() {
-        assert_eq!([missed(0.0, 8.0), missed(4.0, 8.0), missed(16.0, 8.0)], [0.0, 0.0, 0.75]);
+        assert_eq!([missed(0.0, 4.0), missed(4.0, 4.0), missed(16.0, 4.0)], [0.0, 0.0, 0.75]);
         assert_eq!(missed(1e12, f64::INFINITY), 0.0);
     }
 

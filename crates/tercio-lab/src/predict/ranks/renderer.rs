@@ -227,7 +227,7 @@ pub fn predict(
         node.processors = (node.processors / work.threads).max(1);
     }
     let together = network.node.map_or(ranks, |node| node.processors.min(ranks));
-    let cache = (together, Caches::of(machine, 1).shared);
+    let cache = (together, Caches::of(machine, 1).exchange);
     let copied = carrier != Carrier::Threads;
     let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
     let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
