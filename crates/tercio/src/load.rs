@@ -298,6 +298,9 @@ impl LoadOptions<'_> {
     /// [`LoadError`], which names the input and the place in it.
     pub fn load_mesh_input(&self, input: &Input) -> Result<LoadedMesh, LoadError> {
         if is_prepared(input.bytes()) {
+            // What is damaged is said first, as `load_mesh` does.
+            clipping::check_prepared(input, self)?;
+            prepared::load(input, self, Instant::now())?;
             return Err(prepared::no_mesh(&input.name));
         }
         uncut(input.name.as_ref(), self, Instant::now(), || read_input(input, self))
@@ -768,5 +771,23 @@ mod tests {
         let all: Vec<usize> = (0..12).collect();
         let loaded = LoadOptions::default().load_mesh(pyramid(&all, "0 0 0").path()).expect("a model");
         assert_eq!((loaded.report.made_normals, loaded.report.file_normals), (true, false));
+    }
+
+    #[test]
+    fn a_prepared_model_has_no_mesh_unless_it_is_damaged() {
+        let (options, read) = (LoadOptions::default(), ReadOptions::default());
+        let mut whole = Vec::new();
+        let model = options.load("builtin:sphere@100").unwrap();
+        model.write_prepared("builtin:sphere@100", &mut whole).unwrap();
+        let error = |bytes: &[u8]| {
+            let input = Input::from_bytes("m.tercio", bytes.to_vec(), &read).unwrap();
+            options.load_mesh_input(&input).unwrap_err().to_string()
+        };
+        assert!(error(&whole).contains("which is cut into clusters"), "{}", error(&whole));
+        for damaged in [&whole[..whole.len() - 1], b"\x89TERCIO# Viewpoint and more".as_slice()] {
+            let input = Input::from_bytes("m.tercio", damaged.to_vec(), &read).unwrap();
+            assert_eq!(error(damaged), options.load_input(&input).unwrap_err().to_string());
+            assert!(error(damaged).starts_with("m.tercio: byte "), "{}", error(damaged));
+        }
     }
 }
