@@ -299,8 +299,7 @@ impl LoadOptions<'_> {
     pub fn load_mesh_input(&self, input: &Input) -> Result<LoadedMesh, LoadError> {
         if is_prepared(input.bytes()) {
             // What is damaged is said first, as `load_mesh` does.
-            clipping::check_prepared(input, self)?;
-            prepared::load(input, self, Instant::now())?;
+            self.load_input(input)?;
             return Err(prepared::no_mesh(&input.name));
         }
         uncut(input.name.as_ref(), self, Instant::now(), || read_input(input, self))

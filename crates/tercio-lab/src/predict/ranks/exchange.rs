@@ -105,7 +105,7 @@ pub struct Exchange<'a> {
     drawing: &'a [Counters],
     /// Whether the receiver of a message has a copy of its own.
     copied: bool,
-    /// The share of the lines of pictures and messages that no cache holds.
+    /// The share of the lines of pictures and messages that their part of the cache does not hold.
     missed: f64,
 }
 
