@@ -171,7 +171,8 @@ pub fn measure(frames: u32, rounds: u32, machine: &Machine) -> Result<MeasuredCo
 /// Caches to fit costs with, in bytes: from that of a processor on to the shared one, where a description has them.
 fn caches(machine: &Machine) -> Vec<f64> {
     let Caches { own, shared, .. } = Caches::of(machine, 1);
-    let least = if own.is_finite() { own } else { 1e6 };
+    // A description may say that a processor has none, of which no larger one would follow.
+    let least = if own.is_finite() { own.max(1.0) } else { 1e6 };
     let most = if shared.is_finite() { shared } else { 1e9 };
     let sizes = std::iter::successors(Some(least), |size| Some(size * std::f64::consts::SQRT_2));
     sizes.take_while(|&size| size < most).chain([most]).collect()
@@ -220,6 +221,8 @@ mod tests {
         assert!(all.windows(2).all(|w| w[0] < w[1] && w[1] <= 1.5 * w[0]), "{all:?}");
         (machine.processors.own_cache, machine.processors.shared_cache) = (None, None);
         assert!(caches(&machine).iter().all(|c| (1e6..=1e9).contains(c)));
+        machine.processors.own_cache = Some(Sourced::new(0.0, "0 B".into(), String::new()));
+        assert_eq!(caches(&machine)[0], 1.0);
     }
 
     #[test]
