@@ -2,6 +2,8 @@
 
 mod printed;
 
+pub(super) use printed::named;
+
 use super::Verdict;
 use super::hidden::{Fit, common, in_words, number_and_half_digit};
 use crate::published::ToleranceSource;
@@ -301,9 +303,21 @@ impl Comparison {
     }
 }
 
-/// Whether a number's name begins with one of `prefixes`; one that ends with `=` is the whole name.
-pub(super) fn is_named(id: &str, prefixes: &[&str]) -> bool {
-    prefixes.iter().any(|p| p.strip_suffix('=').map_or_else(|| id.starts_with(p), |whole| id == whole))
+/// Whether a number has one of `names`. A name is taken whole, part by part between its dashes; `*` stands for any one
+/// part, `#` for the digits of one: `H2.15-*-32-#`, `E5.5-d#`. So no name takes a longer one.
+pub(super) fn is_named(id: &str, names: &[&str]) -> bool {
+    names.iter().any(|name| {
+        let [parts, own] = [*name, id].map(|text| text.split('-').collect::<Vec<_>>());
+        parts.len() == own.len() && parts.iter().zip(own).all(|(part, own)| is_part(part, own))
+    })
+}
+
+fn is_part(part: &str, own: &str) -> bool {
+    let Some((before, after)) = part.split_once('#') else {
+        return part == own || part == "*" && !own.is_empty();
+    };
+    let digits = own.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    digits.is_some_and(|digits| !digits.is_empty() && digits.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 impl Pair {

@@ -1,22 +1,22 @@
 //! The published numbers of an experiment, each print compared once.
 
 use super::{Comparison, Evidence, is_named};
-use crate::experiments::Verdict;
+use crate::experiments::{ExperimentError, Verdict};
 use crate::models::registry::{self, Value};
-use crate::published::{self, Agreement, Basis, Check, Number, Standing, TableError, ToleranceSource};
+use crate::published::{self, Agreement, Basis, Check, Number, Standing, ToleranceSource};
 
 impl Comparison {
-    /// Compares the published numbers whose names begin with one of `prefixes`, or are `E5.9` for `E5.9=`: printed ones
-    /// with the print, ours counting as the document's formula unless the row is counted or simulated; those without a print
-    /// are counted. A print is compared once, however many rows have it: it agrees if one of them gives it, and the others are
-    /// other forms.
+    /// Compares the published numbers that have one of `names`, in which `*` stands for a part between dashes and `#` for
+    /// digits (`H2.15-*-32-#`): printed ones with the print, ours counting as the document's formula unless the row is counted
+    /// or simulated; those without a print are counted. A print is compared once, however many rows have it: it agrees if one
+    /// of them gives it, and the others are other forms.
     ///
     /// # Errors
-    /// The table has a mistake.
-    pub fn of_published(prefixes: &[&str]) -> Result<Self, TableError> {
+    /// The table has a mistake; a name that no number has.
+    pub fn of_published(names: &[&str]) -> Result<Self, ExperimentError> {
         let mut comparison = Self::new();
         let mut prints: Vec<(String, Vec<Check>)> = Vec::new();
-        for number in published::numbers()?.into_iter().filter(|n| is_named(&n.id, prefixes)) {
+        for number in named(names)? {
             let check = published::check(number);
             let id = check.number.id.clone();
             match check.agreement() {
@@ -62,13 +62,26 @@ impl Comparison {
     /// to be restored or corrected.
     ///
     /// # Errors
-    /// The table has a mistake.
-    pub fn verdict_of_published(prefixes: &[&str], correction: &str) -> Result<Verdict, TableError> {
-        let mut comparison = Self::of_published(prefixes)?;
-        let mut numbers = published::numbers()?.into_iter().filter(|n| is_named(&n.id, prefixes));
-        comparison.correct(correction, numbers.any(|n| needs_correction(&n)));
+    /// The table has a mistake; a name that no number has.
+    pub fn verdict_of_published(names: &[&str], correction: &str) -> Result<Verdict, ExperimentError> {
+        let mut comparison = Self::of_published(names)?;
+        comparison.correct(correction, named(names)?.iter().any(needs_correction));
         Ok(comparison.verdict())
     }
+}
+
+/// The published numbers that have one of `names`.
+///
+/// # Errors
+/// The table has a mistake; a name that no number has.
+pub(in crate::experiments) fn named(names: &[&str]) -> Result<Vec<Number>, ExperimentError> {
+    let mut numbers = published::numbers()?;
+    let is_no_number = |name: &&&str| !numbers.iter().any(|n| is_named(&n.id, &[**name]));
+    if let Some(name) = names.iter().find(is_no_number) {
+        return Err(format!("no published number is called '{name}'").into());
+    }
+    numbers.retain(|n| is_named(&n.id, names));
+    Ok(numbers)
 }
 
 /// Whether a printed number comes out, but not from its formula as it is printed, or only from one that was restored.

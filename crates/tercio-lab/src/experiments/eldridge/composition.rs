@@ -59,7 +59,7 @@ fn owners() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: Vec::new(),
-        verdict: Comparison::of_published(&["E6-fig6"])?.verdict(),
+        verdict: Comparison::of_published(&["E6-fig#"])?.verdict(),
     })
 }
 
@@ -89,7 +89,7 @@ fn per_pixel() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: vec!["With all 1024 processors in one group nothing is left to compose.".into()],
-        verdict: Comparison::of_published(&["E6.2", "E6.3", "E6.4", "E6-x8"])?.verdict(),
+        verdict: Comparison::of_published(&["E6.2", "E6.3-g#", "E6.4-g#", "E6-x8"])?.verdict(),
     })
 }
 
@@ -153,7 +153,15 @@ fn crossover() -> Result<Findings, ExperimentError> {
             at(growth),
             at(printed_growth)
         )],
-        verdict: Comparison::of_published(&["E6.5", "E6.7", "E6.8", "E6.9", "E6-50503", "E6-cross"])?
-            .verdict(),
+        verdict: Comparison::of_published(&[
+            "E6.5",
+            "E6.7",
+            "E6.8-K2",
+            "E6.9",
+            "E6-50503",
+            "E6-cross84",
+            "E6-cross78",
+        ])?
+        .verdict(),
     })
 }

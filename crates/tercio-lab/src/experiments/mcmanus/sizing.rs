@@ -107,7 +107,7 @@ fn areas() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: vec!["The least area per polygon a second has the array of 16 by 16.".into()],
-        verdict: Comparison::of_published(&["M-T2", "M-opt16", "M-mpu"])?.verdict(),
+        verdict: Comparison::of_published(&["M-T2P-#", "M-T2G-#", "M-T2A-#", "M-T2R-#", "M-opt16", "M-mpu"])?.verdict(),
     })
 }
 
@@ -167,7 +167,7 @@ fn with_overhead() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: vec!["With a geometry engine for each array the line of 16 by 16 is the lowest.".into()],
-        verdict: Comparison::of_published(&["M-opt16", "M-T2R"])?.verdict(),
+        verdict: Comparison::of_published(&["M-opt16", "M-T2R-#"])?.verdict(),
     })
 }
 
@@ -214,7 +214,7 @@ fn performance_by_area() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: Vec::new(),
-        verdict: Comparison::of_published(&["M-T2P", "M-T2R"])?.verdict(),
+        verdict: Comparison::of_published(&["M-T2P-#", "M-T2R-#"])?.verdict(),
     })
 }
 
@@ -264,7 +264,7 @@ fn slopes() -> Result<Findings, ExperimentError> {
              has a closed form, A^3 = (sqrt N - 1) 1.3673 / 0.000871, and is not the printed one."
                 .into(),
         ],
-        verdict: Comparison::of_published(&["M-eq11", "M-fig7", "M-12"])?.verdict(),
+        verdict: Comparison::of_published(&["M-eq11", "M-eq11-wrong", "M-fig7-eq11", "M-fig7-true", "M-12"])?.verdict(),
     })
 }
 
@@ -317,6 +317,6 @@ fn optimal_arrays() -> Result<Findings, ExperimentError> {
         remarks: vec![format!(
             "The images are lost, their mean box areas are printed. That of table 1 is Frame20 with {BOX_AREA}."
         )],
-        verdict: Comparison::of_published(&["M-T3", "M-Aopt"])?.verdict(),
+        verdict: Comparison::of_published(&["M-T3-*", "M-Aopt-*"])?.verdict(),
     })
 }

@@ -101,7 +101,7 @@ fn rates() -> Result<Findings, ExperimentError> {
         plots: vec![plot],
         remarks: vec!["Rates are cut off, not rounded. Times are the document's measurements.".into()],
         verdict: Comparison::of_published(&[
-            "O-T1-r", "O-T2-r", "O-T3-r", "O-T4-r", "O-N", "O-10x", "O-600k", "O-1M",
+            "O-T#-r#-*", "O-NS", "O-NL", "O-10x", "O-600k", "O-1M",
         ])?
         .verdict(),
     })
@@ -147,9 +147,9 @@ fn speed_ups(
             plot = plot.with(Series::line_points(format!("{kind} polygons, row {row}"), points).published());
         }
     }
-    let prefixes = tables.map(|t| format!("O-T{t}-su"));
-    let prefixes: Vec<_> = prefixes.iter().map(String::as_str).collect();
-    let mut comparison = Comparison::of_published(&prefixes)?;
+    let names = tables.map(|t| format!("O-T{t}-su#-*"));
+    let names: Vec<_> = names.iter().map(String::as_str).collect();
+    let mut comparison = Comparison::of_published(&names)?;
     let [small, large] = most.map(|all| {
         let range = all.iter().fold((f64::MAX, f64::MIN), |(l, m), &s| (f64::min(l, s), f64::max(m, s)));
         (range.0, range.1)

@@ -49,7 +49,7 @@ fn unit_costs() -> Result<Findings, ExperimentError> {
         plots: Vec::new(),
         remarks: vec!["The polygon's cell is blank in the scan; appendix C prints 139.".into()],
         verdict: Comparison::of_published(&[
-            "P-Gt", "P-Vt", "P-St", "P-Pt", "P-15-asm", "P-58-asm", "P-573", "P-55",
+            "P-Gt", "P-Vt", "P-St", "P-Pt", "P-Pt-asm", "P-15-asm", "P-58-asm", "P-573", "P-55",
         ])?
         .verdict(),
     })
@@ -95,7 +95,7 @@ fn interlace() -> Result<Findings, ExperimentError> {
              low at 16 processors."
                 .into(),
         ],
-        verdict: Comparison::verdict_of_published(&["P-45"], correction)?,
+        verdict: Comparison::verdict_of_published(&["P-45-#"], correction)?,
     })
 }
 
@@ -170,7 +170,7 @@ fn totals() -> Result<Findings, ExperimentError> {
                 .into(),
         ],
         verdict: {
-            let mut comparison = Comparison::of_published(&["P-C", "P-vvar", "P-50pc"])?;
+            let mut comparison = Comparison::of_published(&["P-C#-*", "P-C1-pct-*", "P-vvar-*", "P-50pc"])?;
             comparison.correct(
                 "a polygon without a scan line on a processor is charged one segment.",
                 uncharged > 1.0,

@@ -58,7 +58,7 @@ pub fn strides() -> Result<Findings, ExperimentError> {
         table.push(numbers.map(Into::into));
     }
     let received: Vec<u32> = (0..N).filter(|&p| run.received[p as usize] == 1).collect();
-    let mut comparison = Comparison::of_published(&["EA-fig6"])?;
+    let mut comparison = Comparison::of_published(&["EA-fig6a", "EA-fig6b"])?;
     comparison.claim("processors 8, 9 and 10 have the polygon, once each", received == [8, 9, 10]);
     comparison.claim("no other processor has it", run.copies == 3 && run.checks.passed());
     comparison.claim("processor 1 alone sends in the first stage, 5 and 9 in the second", {

@@ -125,7 +125,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
         &[("scene", ""), ("most", ""), ("mean over 1,024", ""), ("most over mean", "")],
     );
     // 176 over the mean of the printed numbers.
-    let (mut series, mut comparison) = (Vec::new(), Comparison::of_published(&["E5.9fig="])?);
+    let (mut series, mut comparison) = (Vec::new(), Comparison::of_published(&["E5.9fig"])?);
     for (name, scene) in scenes()? {
         let columns = left_columns(&scene);
         let most = busiest(&columns);
