@@ -212,7 +212,7 @@ mod tests {
     /// What each experiment is found to be: a change of any is seen here.
     const VERDICTS: &[(&str, &str)] = &[
         ("eldridge-table-4-2", "contradicted in part"),
-        ("eldridge-fig-4-3", "reproduced after correction"),
+        ("eldridge-fig-4-3", "contradicted in part"),
         ("eldridge-fig-5-4", "reproduced after correction"),
         ("eldridge-fig-5-5-analytic", "restated"),
         ("eldridge-fig-5-6-analytic", "reproduced after correction"),

@@ -9,7 +9,7 @@ impl Comparison {
     /// Compares the published numbers that have one of `names`, in which `*` stands for a part between dashes and `#` for
     /// digits (`H2.15-*-32-#`): printed ones with the print, ours counting as the document's formula unless the row is counted
     /// or simulated; those without a print are counted. A print is compared once, however many rows have it: it agrees if one
-    /// of them gives it, and the others are other forms.
+    /// of them gives it, and the others are other forms. A wrong equation as it is printed does not make a print agree.
     ///
     /// # Errors
     /// The table has a mistake; a name that no number has.
@@ -33,14 +33,18 @@ impl Comparison {
             }
         }
         for (_, checks) in prints {
-            let agreeing = checks.iter().find(|c| c.agreement() == Agreement::AgreesWithPrint);
+            let gives = |c: &&Check| c.agreement() == Agreement::AgreesWithPrint;
+            let agreeing = checks.iter().filter(gives).find(|c| !c.number.is_of_printed_equation());
             let against =
                 checks.iter().filter(|c| c.agreement() == Agreement::ContradictsPrint).map(contradiction);
             if let Some(check) = agreeing {
                 comparison.other_forms.extend(against);
                 comparison.push_check(check);
             } else {
-                comparison.contradicted.push(against.collect::<Vec<_>>().join(" / "));
+                let wrong = checks.iter().filter(gives).map(|c| {
+                    format!("{}: the printed {} follows from the equation only as it is printed", c.number.id, c.print_text())
+                });
+                comparison.contradicted.push(against.chain(wrong).collect::<Vec<_>>().join(" / "));
             }
         }
         Ok(comparison)

@@ -104,6 +104,19 @@ fn a_correction_is_one_only_if_the_printed_form_does_not_give_print() {
 }
 
 #[test]
+fn an_equation_that_is_printed_wrong_makes_no_print_agree() {
+    for with in [&["E4.sf-sm"][..], &["E4.sf-sm", "E4.sf-sm-corrected"]] {
+        let verdict = Comparison::verdict_of_published(with, "It is f A R.").unwrap();
+        assert_eq!(verdict.name(), "contradicted", "{with:?}: {}", verdict.text());
+        assert!(verdict.text().contains("E4.sf-sm: the printed 2 follows from the equation only as it is printed"));
+    }
+    let all = ["E4.sf-sm", "E4.sf-sm-corrected", "E4.12-as-computed"];
+    let verdict = Comparison::verdict_of_published(&all, "It is f A R.").unwrap();
+    assert_eq!(verdict.name(), "contradicted in part");
+    assert!(verdict.text().contains("Does not agree: E4.sf-sm-corrected: printed 2, ours 1.63592 ("), "{}", verdict.text());
+}
+
+#[test]
 fn where_nothing_printed_is_computed_there_is_no_verdict() {
     let verdict = Comparison::of_published(&["O-T3-su#-#"]).unwrap().verdict();
     assert_eq!(verdict.name(), "no verdict");
