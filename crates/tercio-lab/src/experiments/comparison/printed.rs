@@ -58,7 +58,7 @@ impl Comparison {
         // Lists agree as a whole, and stand for one number.
         let of = |value: Option<&Value>| value.and_then(Value::as_number).unwrap_or(0.0);
         let numbers = [of(check.ours.as_ref().ok()), of(check.print()), number.tolerance];
-        let from = number.tolerance_source().unwrap_or(ToleranceSource::Exact);
+        let from = check.tolerance_source().unwrap_or(ToleranceSource::Exact);
         self.push(number.id.clone(), numbers, from, evidence);
     }
 

@@ -204,6 +204,22 @@ fn a_number_that_no_input_gives_is_contradicted_unless_it_can_mean_something_els
 }
 
 #[test]
+fn a_verdict_says_of_a_tolerance_what_the_table_says() {
+    let mut seen = std::collections::BTreeSet::new();
+    for check in crate::published::check_all().unwrap() {
+        let source = check.tolerance_source().map_or("none", ToleranceSource::text);
+        let id = check.number.id.as_str();
+        let agrees = check.agreement() == crate::published::Agreement::AgreesWithPrint;
+        // One number of each source.
+        if agrees && !check.number.is_of_printed_equation() && seen.insert(source) {
+            let text = Comparison::of_published(&[id]).unwrap().verdict().text();
+            assert!(text.contains(&format!("tolerances: {source})")), "{id}: {source}: {text}");
+        }
+    }
+    assert!(seen.contains(ToleranceSource::CutOff.text()) && seen.contains(ToleranceSource::LastDigitOff.text()));
+}
+
+#[test]
 fn no_name_takes_another() {
     let ids: Vec<_> = crate::published::numbers().unwrap().into_iter().map(|n| n.id).collect();
     for name in &ids {
