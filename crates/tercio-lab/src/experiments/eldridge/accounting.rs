@@ -14,7 +14,7 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         id: "eldridge-chapter-8",
         document: Document::Eldridge,
-        place: "equations 8.1 to 8.17",
+        place: "section 2.3, equations 8.1 to 8.17",
         title: "Benchmarks and accounting of the Princeton Engine",
         run: benchmarks,
     },
@@ -29,7 +29,8 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
 
 /// Names of the numbers of equations 8.1 to 8.17, and of those that the text has beside them.
 const EQUATIONS: [&str; 2] = ["E8.#", "E8.2sum"];
-const OF_TEXT: [&str; 7] = ["E8.17-460", "E8-12.1M", "E8-8th", "E8-233k", "E8-flops", "E8-5pc", "E8-115"];
+const OF_TEXT: [&str; 9] =
+    ["E2.budget", "E2.lines", "E8.17-460", "E8-12.1M", "E8-8th", "E8-233k", "E8-flops", "E8-5pc", "E8-115"];
 
 fn benchmarks() -> Result<Findings, ExperimentError> {
     let mut table = Table::new("equations", &[("number", ""), ("ours", ""), ("printed", ""), ("unit", "")]);

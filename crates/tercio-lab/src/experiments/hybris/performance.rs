@@ -20,7 +20,7 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         id: "hybris-sec-2-1-2",
         document: Document::Hybris,
-        place: "sections 2.1.2 and 4.2.1",
+        place: "sections 2.1.2, 3.2.11 and 4.2.1",
         title: "Bandwidths of memories and buses",
         run: bandwidths,
     },
@@ -91,9 +91,9 @@ fn sizes() -> Result<Findings, ExperimentError> {
 }
 
 fn bandwidths() -> Result<Findings, ExperimentError> {
-    let of = ["H2-kyro", "H2-gf2u", "H4-agp"];
+    let of = ["H2-kyro", "H2-gf2u", "H3-neon", "H4-agp"];
     Ok(Findings {
-        tables: vec![beside_ours("bandwidths", &["H2-kyro", "H2-gf2u", "H4-agp", "H4-agpW"])?],
+        tables: vec![beside_ours("bandwidths", &["H2-kyro", "H2-gf2u", "H3-neon", "H4-agp", "H4-agpW"])?],
         plots: Vec::new(),
         remarks: Vec::new(),
         verdict: Comparison::of_published(&of)?.verdict(),

@@ -13,7 +13,7 @@ use self::equations::Typeset;
 use self::html::Html;
 use self::markdown::Markdown;
 use super::files::{self, WriteError};
-use super::{Document, Outcome, Table};
+use super::{Document, Outcome, Table, WITHOUT_EXPERIMENT};
 use crate::experiments;
 use crate::machines::{self, Machine, NAMES};
 use crate::predict::quoted::{self, Quoted, QuotedRow};
@@ -319,6 +319,11 @@ fn published_numbers(checks: &[Check], to: &mut impl Format) {
          the last column says why, in our reading. Numbers that are read from the scan are measurements on lost scenes; \
          nothing computes them, and a reading is off by what is said of it.",
     );
+    let without: Vec<_> = WITHOUT_EXPERIMENT.iter().map(|(id, why)| format!("{id} ({why})")).collect();
+    to.paragraph(&format!(
+        "Each number that contradicts print is in the verdict of an experiment, but for {}.",
+        without.join("; ")
+    ));
     let row = |c: &Check| {
         let n = &c.number;
         let unit = n.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));

@@ -23,7 +23,7 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
     let mut table = Table::new("processors", &[("scene", ""), ("processor", ""), ("polygons", "")]);
     let mut summary =
         Table::new("summary", &[("scene", ""), ("most", ""), ("mean", ""), ("most over mean", "")]);
-    let (mut series, mut comparison) = (Vec::new(), Comparison::new());
+    let (mut series, mut comparison) = (Vec::new(), Comparison::of_published(&["E4-avg", "E4-f"])?);
     for (name, scene) in scenes()? {
         let run = frame(&scene, 1024, |_| ())?;
         let most = run.received.iter().copied().max().unwrap_or(0);
@@ -36,12 +36,6 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
     let mut swept = Table::new("swept", &[("scene", ""), ("deviation", "column"), ("most", "")]);
     record(&mut swept, "like the teapot", &busiest);
     comparison.fit(Fit::new("394 polygons on the busiest processor", clumping, "394", busiest));
-    // The mean is the number of visible polygons times their mean width over 1,024: the width is stated as 3.8.
-    let widths: Vec<_> = (0..=10).map(|i| 3.7 + 0.02 * f64::from(i)).collect();
-    let means = widths.iter().map(|&w| (w, f64::from(visible) * w / 1024.0)).collect();
-    comparison.fit(Fit::new("23.3 polygons on the mean", "mean width in columns", "23.3", means));
-    let stated = widths.iter().map(|&w| (w, w)).collect();
-    comparison.fit(Fit::new("3.8 columns of overlap", "mean width in columns", "3.8", stated));
     let plot = Plot {
         name: "load".into(),
         title: "Polygons that each processor rasterizes".into(),
@@ -117,6 +111,9 @@ pub fn shifts() -> Result<Findings, ExperimentError> {
     })
 }
 
+/// Names of the numbers of figure 5-9 and section 5.5.
+const OF_FIGURE_5_9: [&str; 5] = ["E5.9fig", "E5.5-10", "E5.5-166", "E5.5-167.8", "E5.5-158.2"];
+
 /// Figure 5-9.
 pub fn locality() -> Result<Findings, ExperimentError> {
     let mut table = Table::new("columns", &[("scene", ""), ("column", ""), ("visible polygons", "")]);
@@ -125,7 +122,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
         &[("scene", ""), ("most", ""), ("mean over 1,024", ""), ("most over mean", "")],
     );
     // 176 over the mean of the printed numbers.
-    let (mut series, mut comparison) = (Vec::new(), Comparison::of_published(&["E5.9fig"])?);
+    let (mut series, mut comparison) = (Vec::new(), Comparison::of_published(&OF_FIGURE_5_9)?);
     for (name, scene) in scenes()? {
         let columns = left_columns(&scene);
         let most = busiest(&columns);
