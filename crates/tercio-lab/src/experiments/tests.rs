@@ -114,6 +114,7 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
         .map(|o| (o.experiment.id, o.findings.as_ref().map_or("failed", |f| f.verdict.name())))
         .collect();
     every_contradiction_is_in_a_verdict(&outcomes);
+    printed_levels_are_drawn(&outcomes);
     if found != VERDICTS {
         let text =
             |o: &Outcome| o.findings.as_ref().map_or_else(ToString::to_string, |f| f.verdict.text());
@@ -140,6 +141,19 @@ fn every_contradiction_is_in_a_verdict(outcomes: &[Outcome]) {
         !texts.iter().any(|text| text.contains(&says))
     });
     assert_eq!(in_none.collect::<Vec<_>>(), WITHOUT_EXPERIMENT.map(|w| w.0));
+}
+
+/// What figures 4-1 and 5-9 print of their scenes is in their plots, as published.
+fn printed_levels_are_drawn(outcomes: &[Outcome]) {
+    for (id, printed) in [("eldridge-fig-4-1", &[394.0, 23.3][..]), ("eldridge-fig-5-9", &[176.0])] {
+        let outcome = outcomes.iter().find(|o| o.experiment.id == id).unwrap();
+        let series = &outcome.findings.as_ref().unwrap().plots[0].series;
+        for level in printed {
+            let is_drawn =
+                |s: &&Series| s.role == Role::Published && s.points.iter().all(|p| p.1 == *level);
+            assert_eq!(series.iter().filter(is_drawn).count(), 1, "{id}: {level}");
+        }
+    }
 }
 
 #[test]

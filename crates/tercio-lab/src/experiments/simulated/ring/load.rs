@@ -9,6 +9,11 @@ fn busiest(numbers: &[u32]) -> f64 {
     f64::from(numbers.iter().copied().max().unwrap_or(0))
 }
 
+/// A printed number of polygons, of no stated processor.
+fn level(label: &str, polygons: f64) -> Series {
+    Series::line(label, vec![(0.0, polygons), (1023.0, polygons)]).published()
+}
+
 /// Visible polygons by the processor that rasterizes them first, on which they stay: that of their left column.
 fn left_columns(scene: &BoxScene) -> Vec<u32> {
     let mut columns = vec![0u32; SCREEN.0 as usize];
@@ -36,6 +41,8 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
     let mut swept = Table::new("swept", &[("scene", ""), ("deviation", "column"), ("most", "")]);
     record(&mut swept, "like the teapot", &busiest);
     comparison.fit(Fit::new("394 polygons on the busiest processor", clumping, "394", busiest));
+    series.push(level("busiest in print", 394.0));
+    series.push(level("mean in print", 23.3));
     let plot = Plot {
         name: "load".into(),
         title: "Polygons that each processor rasterizes".into(),
@@ -140,6 +147,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
     record(&mut swept, "like the teapot, most on a processor", &received);
     let fit = Fit::new("394 polygons on the busiest processor (figure 4-1)", clumping, "394", received);
     comparison.fit(fit);
+    series.push(level("busiest in print", 176.0));
     let plot = Plot {
         name: "locality".into(),
         title: "Polygons whose geometry a processor computes if they stay where they are drawn".into(),
