@@ -4,8 +4,8 @@ mod printed;
 
 pub(super) use printed::named;
 
-use super::Verdict;
-use super::hidden::{Fit, common, in_words, number_and_half_digit};
+use super::hidden::{Fit, common, in_words, number_and_half_digit, union};
+use super::{Cell, Table, Verdict, unstated};
 use crate::published::ToleranceSource;
 
 /// Where a computed number comes from.
@@ -127,22 +127,44 @@ impl Comparison {
         numbers + self.claims.len() + self.fits.len() > 0 && self.failing().is_empty()
     }
 
-    /// The swept inputs, how many numbers each has to explain, and the intervals in which it explains all of them.
-    /// Numbers with several meanings stand for themselves; those that no value of the input gives are not among them.
+    /// The swept inputs, how many numbers each has to explain, and the intervals in which it explains all of them, a
+    /// number with several meanings in one of them. Numbers that no value of the input gives are not among them.
     fn inputs(&self) -> Vec<(&'static str, usize, Vec<[f64; 2]>)> {
         let mut all: Vec<(&'static str, usize, Vec<[f64; 2]>)> = Vec::new();
-        let alone = || self.fits.iter().filter(|readings| readings.len() == 1).flatten();
-        for fit in alone().filter(|fit| fit.meets()) {
-            let intervals = fit.intervals();
-            match all.iter_mut().find(|i| i.0 == fit.input) {
+        for readings in self.fits.iter().filter(|readings| readings.iter().any(Fit::meets)) {
+            let Some(input) = input_of(readings) else { continue };
+            let intervals = union(readings.iter().map(Fit::intervals));
+            match all.iter_mut().find(|i| i.0 == input) {
                 Some(known) => {
                     known.1 += 1;
                     known.2 = common(&known.2, &intervals);
                 }
-                None => all.push((fit.input, 1, intervals)),
+                None => all.push((input, 1, intervals)),
             }
         }
         all
+    }
+
+    /// The intervals of all sweeps as a table, from which the report joins those of all figures: a row for each interval of
+    /// a reading, without numbers if no value gives it.
+    pub fn intervals(&self) -> Table {
+        let mut table = Table::new(
+            unstated::INTERVALS,
+            &[("print", ""), ("input", ""), ("number", ""), ("from", ""), ("to", "")],
+        );
+        for (print, readings) in self.fits.iter().enumerate() {
+            for fit in readings {
+                let row = |from: Cell, to: Cell| {
+                    [((print + 1) as f64).into(), fit.input.into(), fit.number.as_str().into(), from, to]
+                };
+                let intervals = fit.intervals();
+                intervals.iter().for_each(|&[from, to]| table.push(row(from.into(), to.into())));
+                if intervals.is_empty() {
+                    table.push(row(Cell::Empty, Cell::Empty));
+                }
+            }
+        }
+        table
     }
 
     /// The verdict. Whatever does not agree makes it contradicted, or contradicted in part if a printed number agrees;
@@ -213,7 +235,8 @@ impl Comparison {
             ("Read from the scan, not computed", numbers(self.read)),
         ];
         let said = parts.iter().filter(|part| !part.1.is_empty());
-        let said: Vec<_> = said.map(|(head, part)| format!("{head}: {}.", part.join("; "))).collect();
+        let mut said: Vec<_> = said.map(|(head, part)| format!("{head}: {}.", part.join("; "))).collect();
+        said.extend((!self.fits.is_empty()).then(|| format!("{}.", unstated::REFERENCE)));
         said.join(" ")
     }
 
@@ -227,8 +250,8 @@ impl Comparison {
         parts.extend(self.fits.iter().filter(misses).flatten().map(Fit::text));
         for (input, numbers, intervals) in self.inputs() {
             if numbers > 1 && intervals.is_empty() {
-                let of = self.fits.iter().flatten().filter(|fit| fit.input == input && fit.meets());
-                let each: Vec<_> = of.map(Fit::text).collect();
+                let of = self.fits.iter().filter(|readings| input_of(readings) == Some(input));
+                let each: Vec<_> = of.filter_map(|readings| met_in_words(readings)).collect();
                 parts.push(format!(
                     "no {input} gives {} ({})",
                     self.all_of(input, numbers),
@@ -242,7 +265,7 @@ impl Comparison {
     /// How many numbers an input gives: all, or all but those that none of its values gives.
     fn all_of(&self, input: &str, numbers: usize) -> String {
         let misses =
-            |readings: &Vec<Fit>| matches!(&readings[..], [fit] if fit.input == input && !fit.meets());
+            |readings: &Vec<Fit>| input_of(readings) == Some(input) && !readings.iter().any(Fit::meets);
         let other = if self.fits.iter().any(misses) { "other " } else { "" };
         format!("all {numbers} {other}numbers")
     }
@@ -255,9 +278,8 @@ impl Comparison {
             inputs.iter().any(|(i, numbers, common)| *i == input && *numbers > 1 && common.is_empty())
         };
         // Where numbers have no input in common, none of them is met.
-        let met = |readings: &Vec<Fit>| readings.len() > 1 || !readings.iter().any(|fit| alone(fit.input));
-        let fits = self.fits.iter().filter(|readings| met(readings)).flatten();
-        parts.extend(fits.filter(|fit| fit.meets()).map(Fit::text));
+        let met = |readings: &&Vec<Fit>| !input_of(readings).is_some_and(alone);
+        parts.extend(self.fits.iter().filter(met).filter_map(|readings| met_in_words(readings)));
         for (input, numbers, intervals) in &inputs {
             if *numbers > 1 && !intervals.is_empty() {
                 parts.push(format!(
@@ -300,6 +322,22 @@ impl Comparison {
             format!("{kinds} (largest deviation {off:.2} % at {at}; tolerances: {sources})")
         });
         words.into_iter().collect()
+    }
+}
+
+/// The input of all readings of a print; None if they have several.
+fn input_of(readings: &[Fit]) -> Option<&'static str> {
+    let first = readings.first()?.input;
+    readings.iter().all(|fit| fit.input == first).then_some(first)
+}
+
+/// The readings of a print that some value gives, as alternatives; None if none does.
+fn met_in_words(readings: &[Fit]) -> Option<String> {
+    let met: Vec<_> = readings.iter().filter(|fit| fit.meets()).map(Fit::text).collect();
+    match &met[..] {
+        [] => None,
+        [one] => Some(one.clone()),
+        _ => Some(format!("one of {} readings of a print: either {}", met.len(), met.join(", or "))),
     }
 }
 

@@ -100,6 +100,20 @@ pub fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
     pairs.filter(|i| i[0] <= i[1]).collect()
 }
 
+/// The intervals of several lists, those that touch as one, rising.
+pub fn union(lists: impl IntoIterator<Item = Vec<[f64; 2]>>) -> Vec<[f64; 2]> {
+    let mut all: Vec<_> = lists.into_iter().flatten().collect();
+    all.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut joined: Vec<[f64; 2]> = Vec::new();
+    for [from, to] in all {
+        match joined.last_mut() {
+            Some(last) if from <= last[1] => last[1] = last[1].max(to),
+            _ => joined.push([from, to]),
+        }
+    }
+    joined
+}
+
 /// Intervals in words.
 pub fn in_words(intervals: &[[f64; 2]]) -> String {
     let one = |&[from, to]: &[f64; 2]| {
@@ -167,5 +181,7 @@ mod tests {
     fn common_intervals() {
         assert_eq!(common(&[[0.0, 2.0], [5.0, 6.0]], &[[1.0, 5.5]]), [[1.0, 2.0], [5.0, 5.5]]);
         assert!(common(&[[0.0, 1.0]], &[[2.0, 3.0]]).is_empty());
+        let lists = [vec![[5.0, 6.0], [8.0, 9.0]], vec![[0.0, 2.0], [1.0, 3.0]], Vec::new()];
+        assert_eq!(union(lists), [[0.0, 3.0], [5.0, 6.0], [8.0, 9.0]]);
     }
 }

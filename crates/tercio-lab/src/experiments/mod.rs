@@ -20,6 +20,7 @@ pub mod report;
 mod simulated;
 mod sweep;
 mod table;
+mod unstated;
 mod verdict;
 
 use std::path::Path;

@@ -115,9 +115,9 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
         .collect();
     every_contradiction_is_in_a_verdict(&outcomes);
     printed_levels_are_drawn(&outcomes);
+    swept_inputs_are_joined(&outcomes);
     if found != VERDICTS {
-        let text =
-            |o: &Outcome| o.findings.as_ref().map_or_else(ToString::to_string, |f| f.verdict.text());
+        let text = |o: &Outcome| o.findings.as_ref().map_or_else(ToString::to_string, |f| f.verdict.text());
         let lines = outcomes.iter().zip(&found).filter(|(_, f)| !VERDICTS.contains(f));
         let lines: Vec<_> = lines.map(|(o, f)| format!("{f:?}, // {}", text(o))).collect();
         panic!("verdicts that are not in the list:\n{}", lines.join("\n"));
@@ -143,14 +143,39 @@ fn every_contradiction_is_in_a_verdict(outcomes: &[Outcome]) {
     assert_eq!(in_none.collect::<Vec<_>>(), WITHOUT_EXPERIMENT.map(|w| w.0));
 }
 
+/// Verdicts refer to the table of inputs that are not stated, and what they found is in it.
+fn swept_inputs_are_joined(outcomes: &[Outcome]) {
+    for outcome in outcomes {
+        let findings = outcome.findings.as_ref().unwrap();
+        let refers = findings.verdict.text().contains(unstated::REFERENCE);
+        let has = findings.tables.iter().any(|t| t.name == unstated::INTERVALS);
+        assert_eq!(refers, has, "{}", outcome.experiment.id);
+    }
+    let joined = unstated::joined(outcomes.iter());
+    let teapot = joined.iter().find(|i| i.name == "deviation of the teapot's columns").unwrap();
+    let places: BTreeSet<_> = teapot.prints.iter().flat_map(|p| p.place.split("; ")).collect();
+    let figures = ["4-1", "4-2", "5-3", "5-5", "5-6", "5-7", "5-9", "s 7-1 to 7-4"];
+    assert_eq!(
+        places,
+        figures
+            .map(|f| format!("figure{}{f}", if f.starts_with('s') { "" } else { " " }))
+            .iter()
+            .map(String::as_str)
+            .collect()
+    );
+    assert!(teapot.conclusion().unwrap().contains("no value gives all"), "{:?}", teapot.conclusion());
+    for name in ["deviation of the crocodile's columns", "deviation of Beethoven's columns"] {
+        assert!(joined.iter().any(|i| i.name == name && i.conclusion().is_some()), "{name}");
+    }
+}
+
 /// What figures 4-1 and 5-9 print of their scenes is in their plots, as published.
 fn printed_levels_are_drawn(outcomes: &[Outcome]) {
     for (id, printed) in [("eldridge-fig-4-1", &[394.0, 23.3][..]), ("eldridge-fig-5-9", &[176.0])] {
         let outcome = outcomes.iter().find(|o| o.experiment.id == id).unwrap();
         let series = &outcome.findings.as_ref().unwrap().plots[0].series;
         for level in printed {
-            let is_drawn =
-                |s: &&Series| s.role == Role::Published && s.points.iter().all(|p| p.1 == *level);
+            let is_drawn = |s: &&Series| s.role == Role::Published && s.points.iter().all(|p| p.1 == *level);
             assert_eq!(series.iter().filter(is_drawn).count(), 1, "{id}: {level}");
         }
     }

@@ -42,7 +42,11 @@ impl Comparison {
                 comparison.push_check(check);
             } else {
                 let wrong = checks.iter().filter(gives).map(|c| {
-                    format!("{}: the printed {} follows from the equation only as it is printed", c.number.id, c.print_text())
+                    format!(
+                        "{}: the printed {} follows from the equation only as it is printed",
+                        c.number.id,
+                        c.print_text()
+                    )
                 });
                 comparison.contradicted.push(against.chain(wrong).collect::<Vec<_>>().join(" / "));
             }

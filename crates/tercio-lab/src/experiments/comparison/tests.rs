@@ -108,12 +108,20 @@ fn an_equation_that_is_printed_wrong_makes_no_print_agree() {
     for with in [&["E4.sf-sm"][..], &["E4.sf-sm", "E4.sf-sm-corrected"]] {
         let verdict = Comparison::verdict_of_published(with, "It is f A R.").unwrap();
         assert_eq!(verdict.name(), "contradicted", "{with:?}: {}", verdict.text());
-        assert!(verdict.text().contains("E4.sf-sm: the printed 2 follows from the equation only as it is printed"));
+        assert!(
+            verdict
+                .text()
+                .contains("E4.sf-sm: the printed 2 follows from the equation only as it is printed")
+        );
     }
     let all = ["E4.sf-sm", "E4.sf-sm-corrected", "E4.12-as-computed"];
     let verdict = Comparison::verdict_of_published(&all, "It is f A R.").unwrap();
     assert_eq!(verdict.name(), "contradicted in part");
-    assert!(verdict.text().contains("Does not agree: E4.sf-sm-corrected: printed 2, ours 1.63592 ("), "{}", verdict.text());
+    assert!(
+        verdict.text().contains("Does not agree: E4.sf-sm-corrected: printed 2, ours 1.63592 ("),
+        "{}",
+        verdict.text()
+    );
 }
 
 #[test]
@@ -174,6 +182,29 @@ fn one_input_has_to_explain_all_numbers_that_depend_on_it() {
 }
 
 #[test]
+fn readings_of_one_print_are_alternatives_and_one_holds_with_the_other_numbers() {
+    let mut comparison = Comparison::new();
+    comparison.fit_one_of(vec![line("few", "20", 10.0), line("many", "40", 5.0)]);
+    let text = comparison.verdict().text();
+    assert!(text.contains("one of 2 readings of a print: either few: with clumping 1.95 to 2.05"), "{text}");
+    comparison.fit(line("b", "80", 10.0));
+    assert_eq!(name(&comparison), "qualitative");
+    // 5 of the input gives neither reading.
+    let mut apart = comparison.clone();
+    apart.fit(line("c", "50", 10.0));
+    assert_eq!(name(&apart), "contradicted");
+    let mut second = Comparison::new();
+    second.fit_one_of(vec![line("few", "20", 10.0), line("many", "40", 5.0)]);
+    second.fit(line("b", "50", 10.0));
+    assert_eq!(name(&second), "contradicted");
+    assert!(
+        second.verdict().text().contains("no clumping gives all 2 numbers (one of 2"),
+        "{}",
+        second.verdict().text()
+    );
+}
+
+#[test]
 fn an_input_that_misses_one_number_may_give_another() {
     let mut comparison = Comparison::new();
     comparison.fit(line("a", "20", 10.0));
@@ -216,7 +247,9 @@ fn a_verdict_says_of_a_tolerance_what_the_table_says() {
             assert!(text.contains(&format!("tolerances: {source})")), "{id}: {source}: {text}");
         }
     }
-    assert!(seen.contains(ToleranceSource::CutOff.text()) && seen.contains(ToleranceSource::LastDigitOff.text()));
+    assert!(
+        seen.contains(ToleranceSource::CutOff.text()) && seen.contains(ToleranceSource::LastDigitOff.text())
+    );
 }
 
 #[test]
@@ -232,7 +265,9 @@ fn no_name_takes_another() {
 fn a_star_is_one_part_of_a_name_and_a_number_sign_its_digits() {
     let count = |name: &str| named(&[name]).unwrap().len();
     assert_eq!(["H2.15-*-#-#", "H2.15-*-32-#", "E8.#", "E8.T1-#", "M-C-#"].map(count), [72, 12, 17, 9, 10]);
-    for (id, name) in [("E8.17-460", "E8.#"), ("E8.2sum", "E8.#"), ("E8.T1-1-rest", "E8.T1-*"), ("a-", "a-*"), ("d", "d#")] {
+    for (id, name) in
+        [("E8.17-460", "E8.#"), ("E8.2sum", "E8.#"), ("E8.T1-1-rest", "E8.T1-*"), ("a-", "a-*"), ("d", "d#")]
+    {
         assert!(!is_named(id, &[name]), "{name} takes {id}");
     }
 }

@@ -105,7 +105,8 @@ fn phases() -> Result<Findings, ExperimentError> {
     .with(Series::line_points("communication", communication).published())
     .with(Series::line_points("rasterization", raster).published());
     // Of 45 cells one in five is what two others leave; that of communication in row 6, and of geometry, have a formula.
-    let mut comparison = Comparison::of_published(&["E8.T1-#", "E8.T1-#-rest", "E8.12-share", "E8.15-share"])?;
+    let mut comparison =
+        Comparison::of_published(&["E8.T1-#", "E8.T1-#-rest", "E8.12-share", "E8.15-share"])?;
     comparison.add_read(4 * 9 - 2);
     let video_frames: Vec<_> = table.rows.iter().map(|row| 30.0 / number(&row[1])).collect();
     comparison.claim(

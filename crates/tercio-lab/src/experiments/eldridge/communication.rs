@@ -78,8 +78,13 @@ fn pass_costs() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: Vec::new(),
         remarks: vec!["The rows of sort-first and sort-middle have slipped by one line in the scan.".into()],
-        verdict: Comparison::of_published(&["E4.2-sort-first", "E4.2-sort-middle", "E4.2-sl-dense", "E4.2-sl-sparse"])?
-            .verdict(),
+        verdict: Comparison::of_published(&[
+            "E4.2-sort-first",
+            "E4.2-sort-middle",
+            "E4.2-sl-dense",
+            "E4.2-sl-sparse",
+        ])?
+        .verdict(),
     })
 }
 

@@ -154,7 +154,7 @@ fn long_triangle() -> Result<Findings, ExperimentError> {
     comparison.claim("its bounding box meets all 256 buckets whatever the thickness", boxes);
     comparison.fit_one_of(readings);
     Ok(Findings {
-        tables: vec![table],
+        tables: vec![table, comparison.intervals()],
         plots: Vec::new(),
         remarks: vec![
             "The corners of the figure's triangle are not given, so its thickness is swept.".into(),

@@ -168,7 +168,7 @@ fn culling() -> Result<Findings, ExperimentError> {
     planes = planes.with(Series::line("section 3.2.4", level(160.0, 7.0)).published());
     groups = groups.with(Series::line("section 3.2.5", level(400.0, 8.0)).published());
     Ok(Findings {
-        tables: vec![table, directions],
+        tables: vec![table, directions, comparison.intervals()],
         plots: vec![planes, groups],
         remarks: vec![
             format!(

@@ -79,7 +79,16 @@ fn beside_ours(name: &str, names: &[&str]) -> Result<Table, ExperimentError> {
 
 fn sizes() -> Result<Findings, ExperimentError> {
     let of = [
-        "H3-node", "H3-buf", "H3-333", "H3-15", "H3-289", "H3-36", "H4-tile", "H4-hash", "H4-64M", "H3-8k",
+        "H3-node",
+        "H3-buf",
+        "H3-333",
+        "H3-15",
+        "H3-289",
+        "H3-36",
+        "H4-tile",
+        "H4-hash",
+        "H4-64M",
+        "H3-8k",
         "H1-208353",
     ];
     Ok(Findings {
@@ -209,6 +218,9 @@ fn speed_ups() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: Vec::new(),
-        verdict: Comparison::verdict_of_published(&["H4.5", "H4.5b", "H4.7a", "H4.7b", "H4.7c", "H4.7d"], correction)?,
+        verdict: Comparison::verdict_of_published(
+            &["H4.5", "H4.5b", "H4.7a", "H4.7b", "H4.7c", "H4.7d"],
+            correction,
+        )?,
     })
 }

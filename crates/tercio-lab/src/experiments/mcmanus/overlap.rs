@@ -111,7 +111,8 @@ fn places() -> Result<Findings, ExperimentError> {
         plots: vec![plot],
         remarks: vec!["Figure 5 shows boxes of 7 and 8 pixels.".into()],
         verdict: {
-            let mut comparison = Comparison::of_published(&["M-ex7", "M-ex8", "M-C-#", "M-C49", "M-brute-#-#"])?;
+            let mut comparison =
+                Comparison::of_published(&["M-ex7", "M-ex8", "M-C-#", "M-C49", "M-brute-#-#"])?;
             let gamma = |w: f64| mcmanus::placements_as_printed(Length::new(2.0), Length::new(w))[2];
             // Figure 5: a box of 8 pixels meets 25 regions of 2 by 2 at one place.
             comparison.correct(correction, gamma(8.0) != 1.0);

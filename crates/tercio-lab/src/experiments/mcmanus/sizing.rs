@@ -107,7 +107,8 @@ fn areas() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: vec!["The least area per polygon a second has the array of 16 by 16.".into()],
-        verdict: Comparison::of_published(&["M-T2P-#", "M-T2G-#", "M-T2A-#", "M-T2R-#", "M-opt16", "M-mpu"])?.verdict(),
+        verdict: Comparison::of_published(&["M-T2P-#", "M-T2G-#", "M-T2A-#", "M-T2R-#", "M-opt16", "M-mpu"])?
+            .verdict(),
     })
 }
 

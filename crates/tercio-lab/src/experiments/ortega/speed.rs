@@ -100,10 +100,8 @@ fn rates() -> Result<Findings, ExperimentError> {
         tables: vec![table],
         plots: vec![plot],
         remarks: vec!["Rates are cut off, not rounded. Times are the document's measurements.".into()],
-        verdict: Comparison::of_published(&[
-            "O-T#-r#-*", "O-NS", "O-NL", "O-10x", "O-600k", "O-1M",
-        ])?
-        .verdict(),
+        verdict: Comparison::of_published(&["O-T#-r#-*", "O-NS", "O-NL", "O-10x", "O-600k", "O-1M"])?
+            .verdict(),
     })
 }
 

@@ -101,7 +101,7 @@ fn megapixels() -> Result<Findings, ExperimentError> {
         all_links > 0.08 && one_link > all_links,
     );
     Ok(Findings {
-        tables: vec![table],
+        tables: vec![table, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             "Published are 0.08 s for 64 Mpixel on 32 K processes, and up to 5 times the speed of binary swap (W. Kendall and others, \

@@ -116,7 +116,7 @@ fn radix_k() -> Result<Findings, ExperimentError> {
         .with(Series::line("published: 40 % faster", ends.map(|x| (x, 1.4)).to_vec()).published())
         .with(Series::line("published: 40 % less time", ends.map(|x| (x, 1.0 / 0.6)).to_vec()).published());
     Ok(Findings {
-        tables: vec![table],
+        tables: vec![table, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             "Published is a gain of about 40 % over binary swap from 32 to 35,000 processes (mcs.anl.gov/~tpeterka/composite.html); \

@@ -13,7 +13,7 @@ use self::equations::Typeset;
 use self::html::Html;
 use self::markdown::Markdown;
 use super::files::{self, WriteError};
-use super::{Document, Outcome, Table, WITHOUT_EXPERIMENT};
+use super::{Document, Outcome, Table, WITHOUT_EXPERIMENT, unstated};
 use crate::experiments;
 use crate::machines::{self, Machine, NAMES};
 use crate::predict::quoted::{self, Quoted, QuotedRow};
@@ -215,6 +215,7 @@ fn document(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
             to.paragraph(&format!("Not typeset: {}.", left_out.join("; ")));
         }
     }
+    unstated_inputs(of, outcomes, to);
     to.paragraph(
         "In the figures, filled symbols and bars and solid lines are computed here; hollow symbols, dashed lines and hatched \
          bars are the document's own values and equations.",
@@ -226,6 +227,31 @@ fn document(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
         machines.iter().for_each(|m| machine(m, to));
     }
     outcomes.iter().filter(|o| o.experiment.document == of).for_each(|o| experiment(o, to));
+}
+
+/// What every figure of a document asks of inputs that it does not state, and whether one value gives all.
+fn unstated_inputs(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
+    let inputs = unstated::joined(outcomes.iter().filter(|o| o.experiment.document == of));
+    if inputs.is_empty() {
+        return;
+    }
+    to.heading(3, unstated::HEADING, Some(&format!("unstated-{}", of.number())));
+    to.paragraph(
+        "Each was swept, figure by figure: in these intervals ours is what is printed. A scene that is lost has one value in all          figures that draw it from the same view; pictures with another number of visible polygons are other views.          Readings of one print are alternatives.",
+    );
+    let rows: Vec<Vec<Text>> = inputs
+        .iter()
+        .flat_map(|input| {
+            input.prints.iter().map(|print| {
+                let [number, intervals] = print.cells();
+                [input.name.clone(), print.place.clone(), number, intervals].map(Text::from).into()
+            })
+        })
+        .collect();
+    to.table(&["input", "figure", "printed", "values that give it"], &rows);
+    for conclusion in inputs.iter().filter_map(unstated::Input::conclusion) {
+        to.paragraph(&conclusion);
+    }
 }
 
 /// The built-in machines. A test reads them all.

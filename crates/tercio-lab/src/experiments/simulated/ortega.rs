@@ -151,7 +151,7 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         series,
     };
     Ok(Findings {
-        tables: vec![table, swept],
+        tables: vec![table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             "Steps of both loops, each taken to last as long as another; the document times frames. The data sets are lost: \

@@ -52,7 +52,7 @@ pub fn sparse_and_dense() -> Result<Findings, ExperimentError> {
         series: vec![Series::points("sparse", sparse_points), Series::points("dense", dense_points)],
     };
     Ok(Findings {
-        tables: vec![table, swept],
+        tables: vec![table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             SCENES.into(),
@@ -129,7 +129,7 @@ pub fn strides() -> Result<Findings, ExperimentError> {
         series,
     };
     Ok(Findings {
-        tables: vec![best, table, swept],
+        tables: vec![best, table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             SCENES.into(),

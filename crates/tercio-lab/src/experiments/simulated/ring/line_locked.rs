@@ -44,9 +44,23 @@ const PICTURES: [Picture; 5] = [
         "6",
         "deviation of the crocodile's columns",
     ),
-    picture("textured crocodile, figure 7-3", [34_404, 10_200], "370", true, "5", "the same, textured"),
+    picture(
+        "textured crocodile, figure 7-3",
+        [34_404, 10_200],
+        "370",
+        true,
+        "5",
+        "deviation of the textured crocodile's columns",
+    ),
     picture("teapot, figure 7-4", [9_408, 4_100], "260", false, "10", "deviation of the teapot's columns"),
-    picture("textured crocodile, section 8.2", [34_404, 10_400], "360", true, "6", "the same, section 8.2"),
+    picture(
+        "textured crocodile, section 8.2",
+        [34_404, 10_400],
+        "360",
+        true,
+        "6",
+        "deviation of the crocodile's columns, section 8.2",
+    ),
 ];
 
 /// Lines of geometry, communication and rasterization.
@@ -148,11 +162,12 @@ pub fn pictures() -> Result<Findings, ExperimentError> {
             Ok(f64::from(received.into_iter().max().unwrap_or(0)))
         })?;
         record(&mut peaks, of.name, &busiest);
-        let number = format!("{} slices on the busiest processor, {}", of.peak, of.name);
+        let number =
+            format!("{} slices on the busiest processor, {} ({} visible)", of.peak, of.name, of.visible);
         comparison.fit(Fit::new(number, of.clumping, of.peak, busiest));
     }
     Ok(Findings {
-        tables: vec![rates, peaks],
+        tables: vec![rates, peaks, comparison.intervals()],
         plots: Vec::new(),
         remarks: vec![
             "Scenes of ours with the document's numbers of polygons and visible ones, columns normally distributed: their \

@@ -9,6 +9,9 @@ fn busiest(numbers: &[u32]) -> f64 {
     f64::from(numbers.iter().copied().max().unwrap_or(0))
 }
 
+/// A print that two figures are compared with.
+const BUSIEST: &str = "394 polygons on the busiest processor (figure 4-1)";
+
 /// A printed number of polygons, of no stated processor.
 fn level(label: &str, polygons: f64) -> Series {
     Series::line(label, vec![(0.0, polygons), (1023.0, polygons)]).published()
@@ -40,7 +43,7 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
     let busiest = by_clumping(polygons, visible, |scene| Ok(busiest(&frame(scene, 1024, |_| ())?.received)))?;
     let mut swept = Table::new("swept", &[("scene", ""), ("deviation", "column"), ("most", "")]);
     record(&mut swept, "like the teapot", &busiest);
-    comparison.fit(Fit::new("394 polygons on the busiest processor", clumping, "394", busiest));
+    comparison.fit(Fit::new(BUSIEST, clumping, "394", busiest));
     series.push(level("busiest in print", 394.0));
     series.push(level("mean in print", 23.3));
     let plot = Plot {
@@ -51,7 +54,7 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
         series,
     };
     Ok(Findings {
-        tables: vec![summary, table, swept],
+        tables: vec![summary, table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             SCENES.into(),
@@ -111,7 +114,7 @@ pub fn shifts() -> Result<Findings, ExperimentError> {
         series,
     };
     Ok(Findings {
-        tables: vec![table, swept],
+        tables: vec![table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![SCENES.into()],
         verdict: comparison.qualitative("The scenes are lost."),
@@ -145,7 +148,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
     let received =
         by_clumping(polygons, visible, |scene| Ok(busiest(&frame(scene, 1024, |_| ())?.received)))?;
     record(&mut swept, "like the teapot, most on a processor", &received);
-    let fit = Fit::new("394 polygons on the busiest processor (figure 4-1)", clumping, "394", received);
+    let fit = Fit::new(BUSIEST, clumping, "394", received);
     comparison.fit(fit);
     series.push(level("busiest in print", 176.0));
     let plot = Plot {
@@ -156,7 +159,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
         series,
     };
     Ok(Findings {
-        tables: vec![summary, table, swept],
+        tables: vec![summary, table, swept, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             SCENES.into(),

@@ -250,7 +250,7 @@ pub fn communication() -> Result<Findings, ExperimentError> {
         Series::printed_places("crossing in print", [50_503.0]),
     ]);
     let (sides, crossings) = compare_sides(&mut comparison)?;
-    findings.tables.push(sides);
+    findings.tables.extend([sides, comparison.intervals()]);
     findings.remarks.push(crossings);
     findings.remarks.push(
         "The figure's curves are lost; its caption says that both simulated times closely match the prediction. Sort-twice does \
@@ -282,7 +282,7 @@ pub fn frames() -> Result<Findings, ExperimentError> {
     let title = "Instructions of a frame";
     let (mut findings, mut comparison) = findings((&pairs, side), RingRun::instructions, title, remark)?;
     comparison.fit_one_of(vec![Fit::new("64,000 as visible polygons", input, "64000", crossings), of_all]);
-    findings.tables.push(swept);
+    findings.tables.extend([swept, comparison.intervals()]);
     findings.verdict = comparison.qualitative(
         "The size of the random polygons is not given, nor whether the axis counts all of them.",
     );
