@@ -115,6 +115,7 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
         .collect();
     every_contradiction_is_in_a_verdict(&outcomes);
     printed_levels_are_drawn(&outcomes);
+    nothing_agrees_by_a_hair(&outcomes);
     swept_inputs_are_joined(&outcomes);
     if found != VERDICTS {
         let text = |o: &Outcome| o.findings.as_ref().map_or_else(ToString::to_string, |f| f.verdict.text());
@@ -141,6 +142,20 @@ fn every_contradiction_is_in_a_verdict(outcomes: &[Outcome]) {
         !texts.iter().any(|text| text.contains(&says))
     });
     assert_eq!(in_none.collect::<Vec<_>>(), WITHOUT_EXPERIMENT.map(|w| w.0));
+}
+
+/// Ranges have two ends, and the speed-up of large polygons is compared with how much less it is in print.
+fn nothing_agrees_by_a_hair(outcomes: &[Outcome]) {
+    for outcome in outcomes {
+        let text = outcome.findings.as_ref().unwrap().verdict.text();
+        let words: Vec<_> = text.split_whitespace().collect();
+        let same = words.windows(3).find(|w| w[1] == "to" && w[0] == w[2]);
+        assert_eq!(same, None, "{}: {text}", outcome.experiment.id);
+        if outcome.experiment.id == "ortega-fig-3-steps" {
+            let says = "speed-up with large polygons over that of small ones 0.48: no number";
+            assert!(text.contains(says) && !text.contains("Agrees"), "{text}");
+        }
+    }
 }
 
 /// Verdicts refer to the table of inputs that are not stated, and what they found is in it.

@@ -1,6 +1,7 @@
 //! Rates and speed-ups on the CM-200 and the CM-5: tables 1 to 4, figures 3 and 4.
 
 use crate::experiments::facts::Facts;
+use crate::experiments::hidden::in_words;
 use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
 };
@@ -154,8 +155,9 @@ fn speed_ups(
     });
     comparison.claim(
         format!(
-            "small polygons scale better than large ones: {:.1} to {:.1} times with the largest partition, and {:.1} to {:.1} times",
-            small.0, small.1, large.0, large.1
+            "small polygons scale better than large ones: {} times with the largest partition, and {} times",
+            in_words(&[[small.0, small.1]]),
+            in_words(&[[large.0, large.1]])
         ),
         small.0 > large.1,
     );

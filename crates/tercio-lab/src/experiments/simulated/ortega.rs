@@ -87,7 +87,7 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         ("speed-up published", ""),
     ];
     let mut table = Table::new("steps", &columns);
-    let (mut series, mut last) = (Vec::new(), Vec::new());
+    let mut series = Vec::new();
     let scenes = scenes();
     let runs = sweep(&pairs(&scenes, processors), |&((_, scene), processors)| {
         Ok(simulate(&Machine { processors, buffer: BUFFER }, scene).0)
@@ -109,7 +109,6 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
             ours.push((processors as f64, speed_up));
             theirs.push((processors as f64, printed));
         }
-        last.push(ours[ours.len() - 1].1);
         series.push(Series::line_points(*name, ours));
         series.push(Series::line_points(format!("{name}, published"), theirs).published_for(*name));
     }
@@ -124,7 +123,8 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
     };
     let mut swept = Table::new("swept", &[("large polygons", ""), ("buffer", "segment"), ("speed-up", "")]);
     let mut comparison = Comparison::new();
-    let print = |times: &[f64]| format!("{:.2}", times[0] / times[times.len() - 1]);
+    let ratio = |times: &[f64]| times[0] / times[times.len() - 1];
+    let print = |times: &[f64]| format!("{:.2}", ratio(times));
     let by_buffer = sweep(&BUFFERS, |&buffer| Ok((buffer as f64, gain(&scenes[0].1, buffer))))?;
     by_buffer.iter().for_each(|p| swept.push([0.0.into(), p.0.into(), p.1.into()]));
     comparison.fit(Fit::new(
@@ -133,7 +133,9 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         &print(published[0]),
         by_buffer,
     ));
+    let alone = gain(&scenes[0].1, BUFFER);
     let by_number = sweep(&LARGE, |&number| Ok((f64::from(number), gain(&with_large(number), BUFFER))))?;
+    let less = by_number.iter().map(|&(number, gain)| (number, gain / alone)).collect();
     by_number.iter().for_each(|p| swept.push([p.0.into(), (BUFFER as f64).into(), p.1.into()]));
     comparison.fit(Fit::new(
         format!("speed-up {} with large polygons", print(published[1])),
@@ -141,8 +143,10 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         &print(published[1]),
         by_number,
     ));
-    let says = format!("with large polygons the speed-up is less ({:.4} and {:.4})", last[1], last[0]);
-    comparison.claim(says, last[1] < last[0]);
+    // That it is less would hold by a hair: how much less is what the times say.
+    let share = format!("{:.2}", ratio(published[1]) / ratio(published[0]));
+    let number = format!("speed-up with large polygons over that of small ones {share}");
+    comparison.fit(Fit::new(number, "number of large polygons", &share, less));
     let plot = Plot {
         name: "speed-up".into(),
         title: "Speed-up over the smallest partition".into(),
