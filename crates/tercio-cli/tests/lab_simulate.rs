@@ -130,6 +130,14 @@ fn mistakes_are_reported() {
     let classes = ["sort-first ", "sort-middle ", "sort-last ", "sort-twice 10 "];
     let has = |class: &&str| usual.text().lines().any(|line| line.starts_with(*class));
     assert!(classes.iter().all(has), "{}", usual.text());
+    // 17 has no divisor but itself and one.
+    let alone = sorting("good.boxes --processors 17").ok_silently();
+    let says = "sort-twice 1 on 17 processors is sort-last: each group is one processor (--group)";
+    assert!(alone.text().lines().any(|line| line == says), "{}", alone.text());
+    let all = sorting("good.boxes --processors 13,17 -O sort-twice,sort-last --json").ok_silently();
+    let runs: serde_json::Value = serde_json::from_str(all.text()).unwrap();
+    let same: Vec<_> = (0..4).map(|run| runs["runs"][run]["same_as"].as_str()).collect();
+    assert_eq!(same, [Some("sort-middle"), None, Some("sort-last"), None]);
     sorting("good.boxes -O sort-twice -g 3")
         .failed(1, &["a group that divides the 1024 processors, found 3"]);
     place

@@ -37,6 +37,16 @@ impl Organisation {
     pub fn composites(self) -> bool {
         matches!(self, Self::SortLast | Self::SortTwice(_))
     }
+
+    /// What sort-twice is without groups worth the name: sort-last if each is one processor, sort-middle if one is all of
+    /// them. None if it is an organisation of its own.
+    pub fn without_groups(self, processors: usize) -> Option<Self> {
+        match self {
+            Self::SortTwice(group) if group >= processors => Some(Self::SortMiddle),
+            Self::SortTwice(1) => Some(Self::SortLast),
+            _ => None,
+        }
+    }
 }
 
 /// Processors of a group of sort-twice if nobody says how many: 16, or all of fewer. Groups of a SIMD machine divide its

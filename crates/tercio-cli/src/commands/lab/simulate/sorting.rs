@@ -166,7 +166,10 @@ impl Sorting {
     }
 
     fn as_json(&self, machine: &Machine, runs: &[((Organisation, Setting), SortReport)]) -> String {
-        let row = |((_, setting), report): &((Organisation, Setting), SortReport)| json!({ "setting": setting, "report": report, "total_seconds": report.seconds() });
+        let row = |((organisation, setting), report): &((Organisation, Setting), SortReport)| {
+            let same = organisation.without_groups(setting.processors).map(name);
+            json!({ "setting": setting, "report": report, "total_seconds": report.seconds(), "same_as": same })
+        };
         let value = json!({
             "machine": machine.name, "uncharged": uncharged(runs), "runs": runs.iter().map(row).collect::<Value>(),
         });
@@ -181,6 +184,33 @@ fn uncharged(runs: &[((Organisation, Setting), SortReport)]) -> Vec<&'static str
     work.sort_unstable();
     work.dedup();
     work.into_iter().map(Operation::name).collect()
+}
+
+/// An organisation, with the size of its groups.
+fn name(organisation: Organisation) -> String {
+    match organisation {
+        Organisation::SortFirst => "sort-first".into(),
+        Organisation::SortMiddle => "sort-middle".into(),
+        Organisation::SortLast => "sort-last".into(),
+        Organisation::SortTwice(group) => format!("sort-twice {group}"),
+    }
+}
+
+/// Lines on runs of sort-twice that are another organisation, because groups are single processors or all of them.
+fn without_groups(runs: &[((Organisation, Setting), SortReport)]) -> String {
+    let line = |((organisation, setting), _): &((Organisation, Setting), SortReport)| {
+        let processors = setting.processors;
+        let same = organisation.without_groups(processors)?;
+        let groups = match same {
+            Organisation::SortLast => "each group is one processor",
+            _ => "one group has all processors",
+        };
+        let (twice, same) = (name(*organisation), name(same));
+        Some(format!("{twice} on {processors} processors is {same}: {groups} (--group)\n"))
+    };
+    let mut lines: Vec<_> = runs.iter().filter_map(line).collect();
+    lines.dedup();
+    lines.concat()
 }
 
 /// The screen of a description.
@@ -207,12 +237,7 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
         "busiest link"
     );
     for ((organisation, setting), report) in runs {
-        let name = match organisation {
-            Organisation::SortFirst => "sort-first".into(),
-            Organisation::SortMiddle => "sort-middle".into(),
-            Organisation::SortLast => "sort-last".into(),
-            Organisation::SortTwice(group) => format!("sort-twice {group}"),
-        };
+        let name = name(*organisation);
         let region = setting.region.map_or("auto".into(), |edge| edge.to_string());
         let assignment = match setting.assignment {
             Assignment::Interleaved => "interleaved",
@@ -241,6 +266,7 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
                 .sum::<f64>(),
         );
     }
+    text += &without_groups(runs);
     let missing = uncharged(runs);
     if !missing.is_empty() {
         let _ = writeln!(text, "the description charges nothing for {}", missing.join(", "));
