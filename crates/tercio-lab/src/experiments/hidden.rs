@@ -83,11 +83,10 @@ impl Fit {
         let intervals = self.intervals();
         if intervals.is_empty() {
             return format!(
-                "{}: no {} from {range} gives it (ours {} to {})",
+                "{}: no {} from {range} gives it (ours {})",
                 self.number,
                 self.input,
-                short(least),
-                short(most)
+                in_words(&[[least, most]])
             );
         }
         format!("{}: with {} {} of the swept {range}", self.number, self.input, in_words(&intervals))
