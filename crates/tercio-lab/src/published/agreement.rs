@@ -54,7 +54,8 @@ impl Check {
         let Some(print) = self.print() else { return Agreement::NotPrinted };
         if ours.agrees_with(print, number.tolerance) {
             Agreement::AgreesWithPrint
-        } else if number.why.is_some() && (number.tolerance_from.is_some() || is_beyond_rounding(ours, print)) {
+        } else if number.why.is_some() && (number.tolerance_from.is_some() || is_beyond_rounding(ours, print))
+        {
             Agreement::ContradictsPrint
         } else {
             Agreement::Unexplained
