@@ -21,8 +21,11 @@ pub const STAGES: [(LastStage, &str); 4] = [
 /// The terms of the time of ranks, on rank 0. "queueing" is everything else, most of it waiting for a processor.
 pub const RANK_TERMS: [&str; 6] = ["dividing", "drawing", "composing", "collecting", "waiting", "queueing"];
 
-/// The share of all differences, taken without their signs, that an explanation names.
-const NAMED: f64 = 0.9;
+/// The terms that an explanation leaves unnamed are together, without their signs, at most this share of the net difference.
+const UNNAMED: f64 = 0.1;
+
+/// Or at most so many milliseconds, where the net difference is small: what a table with two digits cannot show.
+const UNNAMED_MILLISECONDS: f64 = 0.01;
 
 /// A part of a frame's time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -62,25 +65,35 @@ pub fn of_stages<const N: usize>(until: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| until[k] - if k == 0 { 0.0 } else { until[k - 1] })
 }
 
-/// The terms that make up [nine tenths](NAMED) of the differences, given the largest first, in the unit that they are
-/// given in, with their signs: "visibility -1.20, shading +0.31".
+/// How many of some differences, given the largest first, an explanation names: as many as leave a tenth of their sum at most, or
+/// `small`. What is left counts without signs, so that nothing large is left out because something else compensates it; then what is
+/// named makes up nine tenths of the sum, too. At least one is named if there is any.
+pub fn named(differences: &[f64], small: f64) -> usize {
+    let limit = (UNNAMED * differences.iter().sum::<f64>().abs()).max(small);
+    let left = |named: usize| differences[named..].iter().map(|d| d.abs()).sum::<f64>();
+    let fewest = usize::from(differences.iter().any(|&d| d != 0.0));
+    (fewest..differences.len()).find(|&count| left(count) <= limit).unwrap_or(differences.len())
+}
+
+/// The terms that make up the difference, given the largest first and in milliseconds, with their signs:
+/// "visibility -1.20, shading +0.31".
 pub fn explanation(terms: &[Term]) -> String {
-    let all: f64 = terms.iter().map(|t| t.difference().abs()).sum();
-    let (mut text, mut named) = (String::new(), 0.0);
-    for term in terms {
-        if named >= NAMED * all {
-            break;
-        }
+    let differences: Vec<f64> = terms.iter().map(Term::difference).collect();
+    let count = named(&differences, UNNAMED_MILLISECONDS);
+    let mut text = String::new();
+    for term in &terms[..count] {
         let separator = if text.is_empty() { "" } else { ", " };
         // Writing into a string cannot fail.
         let _ = write!(text, "{separator}{} {:+.2}", term.name, term.difference());
-        named += term.difference().abs();
     }
     text
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::collection::vec;
+    use proptest::prelude::*;
+
     use super::*;
 
     /// Made-up times of frames that end after each stage: the terms are what was put in, in order of size.
@@ -93,6 +106,7 @@ mod tests {
         // Predicted are 1, 2, 8 and 3, measured 1.5, 1.75, 13 and 1.75.
         assert_eq!(seen, [("visibility", -5.0), ("shading", 1.25), ("culling", -0.5), ("sorting", 0.25)]);
         assert_eq!(terms.iter().map(Term::difference).sum::<f64>(), 14.0 - 18.0);
+        // The others are 0.25 of 4.
         assert_eq!(explanation(&terms), "visibility -5.00, shading +1.25, culling -0.50");
         assert_eq!(terms[0].map(|s| s * 1e3).difference(), -5000.0);
     }
@@ -102,5 +116,34 @@ mod tests {
         let one = |difference: f64| explanation(&terms(["a", "b"], [2.0, 1.0 + difference], [2.0, 1.0]));
         assert_eq!(one(0.5), "b +0.50");
         assert_eq!(one(0.0), "", "nothing differs");
+    }
+
+    /// What compensates is named: two large terms that nearly cancel are no explanation of what is left of them.
+    #[test]
+    fn terms_that_compensate_each_other_are_named() {
+        let of = |differences: [f64; 4]| explanation(&terms(["a", "b", "c", "d"], differences, [0.0; 4]));
+        assert_eq!(of([-18.02, 15.67, -2.0, -0.15]), "a -18.02, b +15.67, c -2.00");
+        // After the first two, -2.35 of -2.5 are named, but not that c and d are large.
+        assert_eq!(of([-18.02, 15.67, 1.9, -2.05]), "a -18.02, b +15.67, d -2.05, c +1.90");
+        // The others are less than is shown.
+        assert_eq!(of([0.05, -0.049, 0.004, 0.004]), "a +0.05, b -0.05");
+        assert_eq!(of([0.003, 0.0, 0.0, 0.0]), "a +0.00");
+    }
+
+    proptest! {
+        /// By its definition: what is named makes up nine tenths of the sum, no large one is left, and one fewer would not do.
+        #[test]
+        fn no_more_and_no_fewer_are_named_than_the_sum_needs(differences in vec(-9.0f64..9.0, 0..8)) {
+            let mut differences = differences;
+            differences.sort_by(|a, b| b.abs().total_cmp(&a.abs()));
+            let net: f64 = differences.iter().sum();
+            let limit = (net.abs() / 10.0).max(0.01);
+            let count = named(&differences, 0.01);
+            prop_assert!((net - differences[..count].iter().sum::<f64>()).abs() <= limit + 1e-12);
+            prop_assert!(differences[count..].iter().all(|d| d.abs() <= limit));
+            if count > 1 {
+                prop_assert!(differences[count - 1..].iter().map(|d| d.abs()).sum::<f64>() > limit);
+            }
+        }
     }
 }

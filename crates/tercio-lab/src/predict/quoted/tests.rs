@@ -84,6 +84,26 @@ fn a_row_has_its_verdict() {
     assert!(!RanksRow { frame: [1.0; 2], counters: [1, 2], ..ranks }.holds());
 }
 
+/// In each measured row, what is named makes up the difference of the frame but for a tenth or 0.01 ms, and rounding.
+#[test]
+fn explanations_of_measured_rows_make_up_their_differences() {
+    fn check<R: QuotedRow>(table: Quoted<R>, column: &str, difference: fn(&R) -> f64) {
+        let column = R::HEADER.iter().position(|title| *title == column).unwrap();
+        for row in &table.rows {
+            let cells = row.cells();
+            let sizes = cells[column].split(", ").map(|term| term.rsplit(' ').next().unwrap());
+            let named: Vec<f64> = sizes.map(|size| size.parse().unwrap()).collect();
+            let (net, rounding) = (difference(row), 0.005 * named.len() as f64 + 0.005);
+            let rest = (net - named.iter().sum::<f64>()).abs();
+            assert!(rest <= (0.1 * net.abs()).max(0.01) + rounding, "{net:.3}: {cells:?}");
+        }
+    }
+    check(of_threads().unwrap(), "difference by stage, ms", |row| row.predicted - row.measured);
+    let of_frame = |row: &RanksRow| row.frame[0] - row.frame[1];
+    check(of_ranks().unwrap(), "difference on rank 0, ms", of_frame);
+    check(of_mpi().unwrap(), "difference on rank 0, ms", of_frame);
+}
+
 #[test]
 fn rows_take_the_place_of_those_of_the_same_picture() {
     let mut table = Quoted::new("a machine".into());
