@@ -8,6 +8,7 @@ use super::splits::{EVERY, MOST_BY_FORMULAS, Split};
 use super::{Advice, Candidate, Frame, How, Uncertainty};
 use crate::predict::choose::candidates::MANY;
 use crate::predict::choose::parts_of;
+use crate::predict::difference::named;
 use crate::words::counted;
 
 /// Splits that are listed; more are counted.
@@ -206,7 +207,11 @@ pub fn longest(phases: &[(&'static str, f64)]) -> (&'static str, f64) {
     phases.iter().copied().fold(phases[0], |best, p| if p.1 > best.1 { p } else { best })
 }
 
-/// The best of each class except the first, with the part in which it loses most.
+/// The least milliseconds that are shown.
+const SHOWN: f64 = 0.001;
+
+/// The best of each class except the first, with the parts in which it loses and gains, the largest first, as many as
+/// [`named`] has it.
 pub fn others(lines: &[Line], parts: impl Fn(usize) -> Vec<(&'static str, f64)>) -> Vec<String> {
     let Some(best) = lines.first() else { return Vec::new() };
     let (mut texts, mut seen, ours) = (Vec::new(), vec![best.class], parts(0));
@@ -215,16 +220,16 @@ pub fn others(lines: &[Line], parts: impl Fn(usize) -> Vec<(&'static str, f64)>)
             continue;
         }
         seen.push(*class);
-        let loses = parts(k)
-            .into_iter()
-            .zip(&ours)
-            .map(|(o, b)| (o.0, o.1, b.1))
-            .fold(("", 0.0, 0.0), |worst, p| if p.1 - p.2 > worst.1 - worst.2 { p } else { worst });
         let mut text =
             format!("{words} takes {:.2} times as long, {}", seconds / best.seconds, milliseconds(*seconds));
-        if !loses.0.is_empty() {
-            let [theirs, ours] = [loses.1, loses.2].map(milliseconds);
-            text += &format!(": {} takes {theirs} instead of {ours}", loses.0);
+        let parts = parts(k).into_iter().zip(&ours);
+        let mut more: Vec<_> = parts.map(|(theirs, ours)| (theirs.0, (theirs.1 - ours.1) * 1e3)).collect();
+        more.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        let sizes: Vec<f64> = more.iter().map(|part| part.1).collect();
+        let of_part = |part: &(&str, f64)| format!("{} {:+.3} ms", part.0, part.1);
+        let list: Vec<_> = more[..named(&sizes, SHOWN)].iter().map(of_part).collect();
+        if !list.is_empty() {
+            text += &format!(": {:+.3} ms, made up of {}", (seconds - best.seconds) * 1e3, list.join(", "));
         }
         texts.push(text);
     }

@@ -2,6 +2,7 @@ use tercio_parallel::{Composition, Organisation as RendererOrganisation};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
+use super::explain::{Line, others};
 use super::simulated::{explanation, plans, simulated};
 use super::*;
 use crate::machines::builtin;
@@ -58,6 +59,44 @@ fn the_first_of_the_simulator_is_the_fastest_and_the_others_are_explained() {
     let first = frames[0].plan.organisation;
     assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
     assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
+}
+
+/// Checks that what is named of each other class makes up nine tenths of the difference; how many classes there are.
+fn differences_are_made_up(lines: &[String]) -> usize {
+    let size = |text: &str| text.trim_end_matches(" ms").rsplit(' ').next().unwrap().parse::<f64>().unwrap();
+    let of_classes = lines.iter().filter_map(|line| line.split_once(", made up of "));
+    let checked = of_classes.map(|(before, parts)| {
+        let (net, parts) = (size(before), parts.split(", ").map(size).collect::<Vec<_>>());
+        let rounding = 0.0005 * (parts.len() + 1) as f64;
+        let left = (net - parts.iter().sum::<f64>()).abs();
+        assert!(left <= (0.1 * net).max(0.001) + rounding, "{before}: {parts:?}");
+        assert!(parts.windows(2).all(|pair| pair[0].abs() >= pair[1].abs()), "{parts:?}");
+    });
+    checked.count()
+}
+
+#[test]
+fn differences_to_other_classes_are_made_up_by_what_is_named() {
+    let machine = builtin("princeton-engine").unwrap().unwrap();
+    let plans = plans(&machine, 64, None);
+    let frames = simulated(&machine, &counters(3000), &boxes(3000), (1024, 1024), &plans).unwrap();
+    assert_eq!(differences_are_made_up(&explanation(&frames)), 3);
+    for (machine, processors) in [("server-128", 4), ("server-128", 128), ("cluster-64", 300)] {
+        let advice = advice(machine, "builtin:gyroid@5k", processors, None);
+        assert_eq!(differences_are_made_up(&advice.explanation()), 4, "{machine} {processors}");
+    }
+    // What is gained is named, and what is lost and no tenth of the difference is not.
+    let line = |class, milliseconds: f64| Line { class, seconds: milliseconds * 1e-3, words: class.into() };
+    let parts = [[20.0, 12.0, 3.0], [34.9, 3.6, 3.2]];
+    let names = ["redistribution", "composition", "delivery"];
+    let of = |k: usize| names.into_iter().zip(parts[k].map(|ms| ms * 1e-3)).collect();
+    assert_eq!(
+        others(&[line("sort-last", 35.0), line("sort-middle", 41.7)], of),
+        [
+            "sort-middle takes 1.19 times as long, 41.700 ms: +6.700 ms, made up of redistribution +14.900 ms, \
+             composition -8.400 ms"
+        ]
+    );
 }
 
 #[test]
