@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
-use tercio_lab::predict::advise::simulated::{describe, explanation, plans, simulated};
+use tercio_lab::predict::advise::simulated::{Found, describe_with_processors, search};
 use tercio_lab::predict::advise::{Advice, Candidate, advise, why_not};
 use tercio_lab::predict::ranks::Simulated;
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
@@ -24,8 +24,8 @@ use crate::output::write_text;
 /// and composition of 'tercio render': of all numbers of processors up to 16, then of powers of two, the middle between two of them,
 /// whole nodes, and N. The output says what is not compared, and why. Each time is shown with the model that it is from. If the machine
 /// has a calibration, or says how sure its numbers are, it has an interval, too; '=' marks candidates that cannot be told apart from the
-/// best one. The simulator of the sorting classes covers its own plans; its figures are comparable with each
-/// other only.
+/// best one. The simulator of the sorting classes covers its own plans, on powers of two of processors and on N; its figures are
+/// comparable with each other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -66,8 +66,8 @@ impl Advise {
         let (advice, simulated) = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
             let advice = advise(&machine, &c.picture(), processors, topology)?;
-            let plans = plans(&machine, processors, topology);
-            Ok((advice, simulated(&machine, &c.counted.frame, &c.boxes()?, c.size, &plans)?))
+            let boxes = c.boxes()?;
+            Ok((advice, search(&machine, &c.counted.frame, &boxes, c.size, topology, processors)?))
         })?;
         let why_not = why_not(&machine);
         let answer =
@@ -83,7 +83,7 @@ struct Answer<'a> {
     machine: &'a str,
     processors: usize,
     advice: Advice,
-    simulated: Vec<SimulatedFrame>,
+    simulated: Found,
     why_not: Option<Simulated>,
     /// Plans that are listed.
     top: usize,
@@ -100,7 +100,10 @@ impl Answer<'_> {
                 "like_the_best": advice.is_like_the_best(c), "prediction": c.frame,
             })
         };
-        let of_simulator = |p: &SimulatedFrame| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p });
+        let of_simulator = |p: &SimulatedFrame| {
+            let plan = describe_with_processors(&p.plan);
+            json!({ "plan": plan, "processors": p.plan.ranks, "total_seconds": p.total(), "prediction": p })
+        };
         let value = json!({
             "machine": machine, "processors": processors,
             "renderer": {
@@ -109,8 +112,9 @@ impl Answer<'_> {
                 "why_not": why_not, "uncertainty": advice.uncertainty,
             },
             "simulator": {
-                "plans_compared": simulated.len(),
-                "best": simulated.iter().take(top).map(of_simulator).collect::<Value>(),
+                "plans_compared": simulated.frames.len(), "numbers_of_processors": simulated.numbers,
+                "given_up": simulated.given_up,
+                "best": simulated.frames.iter().take(top).map(of_simulator).collect::<Value>(),
             },
             "explanation": lines(advice, simulated),
         });
@@ -133,9 +137,9 @@ impl Answer<'_> {
             let (time, interval) = (c.frame.total() * 1e3, interval.unwrap_or_default());
             let _ = writeln!(text, "{like}{time:11.4} ms{interval}  {} [{}]", c.describe(), c.frame.model());
         }
-        let _ = writeln!(text, "simulator of the sorting classes, {} plans compared", simulated.len());
-        for p in simulated.iter().take(top) {
-            let _ = writeln!(text, "{:12.4} ms  {}", p.total() * 1e3, describe(&p.plan));
+        let _ = writeln!(text, "simulator of the sorting classes, {} plans compared", simulated.frames.len());
+        for p in simulated.frames.iter().take(top) {
+            let _ = writeln!(text, "{:12.4} ms  {}", p.total() * 1e3, describe_with_processors(&p.plan));
         }
         lines(advice, simulated).iter().for_each(|line| text += &format!("{line}.\n"));
         text
@@ -143,11 +147,11 @@ impl Answer<'_> {
 }
 
 /// Both advices in words.
-fn lines(advice: &Advice, simulated: &[SimulatedFrame]) -> Vec<String> {
+fn lines(advice: &Advice, simulated: &Found) -> Vec<String> {
     let mut lines = advice.explanation();
     if !lines.is_empty() {
         lines.push("the rest is from the simulator of the sorting classes, another model".into());
     }
-    lines.extend(explanation(simulated));
+    lines.extend(simulated.explanation());
     lines
 }

@@ -1,6 +1,11 @@
-//! The candidates of the simulator of the sorting classes, and what it says of them.
+//! The search of the simulator of the sorting classes, and what it says of what it finds.
+//!
+//! Each class is simulated on 1, 2, 4 ... processors and on as many as there may be: roughly on every number, and with all regions on the
+//! numbers that were the fastest so far. What is simulated on a number does not depend on how many processors there may be, so
+//! twice as many never give a worse answer.
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::explain::{Line, longest, milliseconds, others};
 use crate::machines::{Control, Machine, Topology};
@@ -9,87 +14,237 @@ use crate::predict::counts::Counters;
 use crate::predict::ranks::simulated::SimulatedFrame;
 use crate::predict::ranks::{Plan, simulate};
 use crate::simulators::sorting::{Assignment, Organisation};
+use crate::words::counted;
 use crate::workloads::BoxScene;
 
-/// Up to so many processors all plans are simulated. Each exchange of pixels takes as many steps as there are processors, and a plan has
-/// up to as many exchanges as their logarithm.
-pub const ALL_PLANS: usize = 1 << 16;
+/// On more processors only the largest regions are simulated. Each exchange of pixels takes as many steps as there are processors, and a
+/// plan has up to as many exchanges as their logarithm.
+const ALL_REGIONS: usize = 1 << 16;
 
-/// The candidates of the simulator: the four classes, groups of every power of two, regions of 16 to 128 pixels and the
-/// largest possible, both assignments; above [`ALL_PLANS`] only groups of every second power of two, and the largest regions,
-/// interleaved. Groups of a SIMD machine divide its processors.
-pub fn plans(machine: &Machine, ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
-    let mut organisations = vec![Organisation::SortFirst, Organisation::SortMiddle, Organisation::SortLast];
-    let divides = |g: &usize| machine.processors.control == Control::Mimd || ranks.is_multiple_of(*g);
-    let is_many = ranks > ALL_PLANS;
-    let bits = (1..usize::BITS).step_by(if is_many { 2 } else { 1 });
-    let groups = bits.map(|bit| 1usize << bit).take_while(|g| *g < ranks).filter(divides);
-    let regions = if is_many { vec![None] } else { vec![None, Some(16), Some(32), Some(64), Some(128)] };
-    let assignments = if is_many {
-        vec![Assignment::Interleaved]
-    } else {
-        vec![Assignment::Interleaved, Assignment::Blocks]
-    };
-    organisations.extend(groups.map(Organisation::SortTwice));
-    let mut plans = Vec::new();
-    for organisation in organisations {
-        for &region in &regions {
-            for &assignment in &assignments {
-                // An owner of the whole picture needs no regions.
-                let divided = organisation != Organisation::SortLast;
-                if divided || (region.is_none() && assignment == Assignment::Interleaved) {
-                    plans.push(Plan { organisation, ranks, threads: 1, region, assignment, topology });
-                }
-            }
-        }
-    }
-    plans
+/// A class is given up when its time has risen with the number of processors so many times in a row,
+const RISES: u32 = 3;
+
+/// to more than so many times its shortest.
+const HOPELESS: f64 = 4.0;
+
+const ASSIGNMENTS: [Assignment; 2] = [Assignment::Interleaved, Assignment::Blocks];
+const REGIONS: [Option<u32>; 5] = [None, Some(16), Some(32), Some(64), Some(128)];
+
+/// What the search found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Found {
+    /// The fastest first. Plans with equal times stay in the order in which they were simulated, simple classes first.
+    pub frames: Vec<SimulatedFrame>,
+    /// Numbers of processors.
+    pub numbers: Vec<usize>,
+    /// Classes that were given up, and the number of processors after which.
+    pub given_up: Vec<(&'static str, usize)>,
 }
 
-/// Simulates plans, the fastest first. Plans with equal times stay in the order of the list, simple plans first.
+/// The picture to simulate on a machine.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    machine: &'a Machine,
+    topology: Option<Topology>,
+    counters: &'a Counters,
+    boxes: &'a BoxScene,
+    size: (u32, u32),
+}
+
+/// A class of organisations, of which sort-twice has a member for each size of groups.
+type Class = fn(usize) -> Organisation;
+const CLASSES: [Class; 4] = [
+    |_| Organisation::SortFirst,
+    |_| Organisation::SortMiddle,
+    |_| Organisation::SortLast,
+    Organisation::SortTwice,
+];
+
+/// Simulates the four classes on up to so many processors.
 ///
 /// # Errors
 /// As [`simulate`].
-pub fn simulated(
+pub fn search(
     machine: &Machine,
     counters: &Counters,
     boxes: &BoxScene,
     size: (u32, u32),
-    plans: &[Plan],
-) -> Result<Vec<SimulatedFrame>, PredictError> {
-    let frames: Result<Vec<SimulatedFrame>, _> =
-        plans.par_iter().map(|plan| simulate(machine, counters, boxes, size, plan)).collect();
-    let mut frames = frames?;
-    frames.sort_by(|a, b| a.total().total_cmp(&b.total()));
-    Ok(frames)
-}
-
-/// Why the first one is the fastest, and what limits the best of each other class.
-pub fn explanation(frames: &[SimulatedFrame]) -> Vec<String> {
-    let Some(best) = frames.first() else { return Vec::new() };
-    let line = |s: &SimulatedFrame| Line {
-        class: class(s.plan.organisation),
-        seconds: s.total(),
-        words: describe(&s.plan),
-    };
-    let lines: Vec<Line> = frames.iter().map(line).collect();
-    let mut all = vec![why_simulated(best)];
-    if best.plan.ranks > ALL_PLANS {
-        all.push(format!(
-            "of more than {ALL_PLANS} processors the simulator compares no regions of 16, 32, 64 and 128 pixels, no regions in blocks and \
-             no groups of other sizes than 2, 8, 32, 128 ... processors: it would take minutes"
-        ));
+    topology: Option<Topology>,
+    processors: usize,
+) -> Result<Found, PredictError> {
+    let search = Search { machine, topology, counters, boxes, size };
+    let powers = (0..usize::BITS).map(|bit| 1usize << bit).take_while(|&power| power < processors);
+    let numbers: Vec<usize> = powers.chain([processors]).collect();
+    let of_classes: Result<Vec<_>, _> =
+        CLASSES.par_iter().map(|&class| search.class(class, &numbers)).collect();
+    let (mut frames, mut given_up) = (Vec::new(), Vec::new());
+    for (class, (of_class, last)) in CLASSES.into_iter().zip(of_classes?) {
+        frames.extend(of_class);
+        given_up.extend(last.map(|last| (name(class(2)), last)));
     }
-    all.extend(others(&lines, |k| frames[k].phases().to_vec()));
-    all
+    frames.sort_by(|a, b| a.total().total_cmp(&b.total()));
+    Ok(Found { frames, numbers, given_up })
 }
 
-fn why_simulated(best: &SimulatedFrame) -> String {
+impl Search<'_> {
+    /// The frames of a class, and the number of processors after which it was given up, if it was.
+    fn class(
+        &self,
+        class: Class,
+        numbers: &[usize],
+    ) -> Result<(Vec<SimulatedFrame>, Option<usize>), PredictError> {
+        let (mut frames, mut given_up) = (Vec::new(), None);
+        // The plans that were the fastest on their numbers of processors, each faster than all on fewer.
+        let mut records: Vec<Plan> = Vec::new();
+        let (mut best, mut before, mut rises) = (f64::INFINITY, f64::INFINITY, 0);
+        for (k, &ranks) in numbers.iter().enumerate() {
+            let rough = self.simulate(&self.rough(class, ranks))?;
+            let fastest = rough.iter().min_by(|a, b| a.total().total_cmp(&b.total()));
+            let Some((time, plan)) = fastest.map(|frame| (frame.total(), frame.plan)) else { continue };
+            frames.extend(rough);
+            if time < best {
+                best = time;
+                records.push(plan);
+            }
+            rises = if time > before { rises + 1 } else { 0 };
+            before = time;
+            if rises >= RISES && time > HOPELESS * best && k + 1 < numbers.len() {
+                given_up = Some(ranks);
+                break;
+            }
+        }
+        let work = self.work()?;
+        for plan in records.iter().rev() {
+            // Not even if all its work were shared evenly and nothing were sent.
+            if work / plan.ranks as f64 >= best {
+                continue;
+            }
+            let fine = self.simulate(&self.fine(class, plan))?;
+            best = fine.iter().map(SimulatedFrame::total).fold(best, f64::min);
+            frames.extend(fine);
+        }
+        Ok((frames, given_up))
+    }
+
+    fn simulate(&self, plans: &[Plan]) -> Result<Vec<SimulatedFrame>, PredictError> {
+        let Self { machine, counters, boxes, size, .. } = *self;
+        plans.par_iter().map(|plan| simulate(machine, counters, boxes, size, plan)).collect()
+    }
+
+    /// Seconds of the geometry work and of rasterization without overlap, on one processor: on n no class has less than an n-th of it.
+    fn work(&self) -> Result<f64, PredictError> {
+        let Self { machine, counters, boxes, size, .. } = *self;
+        let alone = self.plan(Organisation::SortMiddle, 1, None, Assignment::Interleaved);
+        let sorting = simulate(machine, counters, boxes, size, &alone)?.sorting;
+        // Sums of many numbers are rounded.
+        Ok((sorting.geometry.mean + sorting.raster.mean) * (1.0 - 1e-9))
+    }
+
+    fn plan(
+        &self,
+        organisation: Organisation,
+        ranks: usize,
+        region: Option<u32>,
+        assignment: Assignment,
+    ) -> Plan {
+        Plan { organisation, ranks, threads: 1, region, assignment, topology: self.topology }
+    }
+
+    /// Sizes of groups: powers of two that are less than the number of processors, and of a SIMD machine divide it.
+    fn groups(&self, ranks: usize) -> impl Iterator<Item = usize> {
+        let any = self.machine.processors.control == Control::Mimd;
+        let powers = (1..usize::BITS).map(|bit| 1usize << bit).take_while(move |&group| group < ranks);
+        powers.filter(move |&group| any || ranks.is_multiple_of(group))
+    }
+
+    /// Few plans of a class on a number of processors: interleaved, with few regions and every second size of groups.
+    fn rough(&self, class: Class, ranks: usize) -> Vec<Plan> {
+        let (groups, regions): (Vec<usize>, &[Option<u32>]) = match class(2) {
+            // An owner of the whole picture needs no regions.
+            Organisation::SortLast => (vec![2], &[None]),
+            Organisation::SortTwice(_) => (self.groups(ranks).step_by(2).collect(), &[None, Some(32)]),
+            Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &[None, Some(16), Some(64)]),
+        };
+        let regions = if ranks > ALL_REGIONS { &regions[..1] } else { regions };
+        let of_group = |&group: &usize| {
+            regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>()
+        };
+        let all = groups.iter().flat_map(of_group);
+        all.map(|(group, region)| self.plan(class(group), ranks, region, Assignment::Interleaved)).collect()
+    }
+
+    /// The other plans beside the fastest of the few ones: all regions and assignments; groups of this size, half and twice as many.
+    fn fine(&self, class: Class, best: &Plan) -> Vec<Plan> {
+        let groups: Vec<usize> = match best.organisation {
+            Organisation::SortLast => Vec::new(),
+            Organisation::SortTwice(group) => {
+                let near = [group / 2, group, 2 * group];
+                self.groups(best.ranks).filter(|size| near.contains(size)).collect()
+            }
+            Organisation::SortFirst | Organisation::SortMiddle => vec![2],
+        };
+        if best.ranks > ALL_REGIONS {
+            return Vec::new();
+        }
+        let rough = self.rough(class, best.ranks);
+        let mut plans = Vec::new();
+        for group in groups {
+            for region in REGIONS {
+                let all = ASSIGNMENTS.map(|assignment| self.plan(class(group), best.ranks, region, assignment));
+                plans.extend(all.into_iter().filter(|plan| !rough.contains(plan)));
+            }
+        }
+        plans
+    }
+}
+
+impl Found {
+    /// Why the first one is the fastest, what was compared, and what limits the best of each other class.
+    pub fn explanation(&self) -> Vec<String> {
+        let Some(best) = self.frames.first() else { return Vec::new() };
+        let line = |s: &SimulatedFrame| Line {
+            class: name(s.plan.organisation),
+            seconds: s.total(),
+            words: describe_with_processors(&s.plan),
+        };
+        let lines: Vec<Line> = self.frames.iter().map(line).collect();
+        let mut all = vec![why(best), self.searched()];
+        all.extend(others(&lines, |k| self.frames[k].phases().to_vec()));
+        all
+    }
+
+    /// What was compared, and what was not.
+    fn searched(&self) -> String {
+        let most = self.numbers.last().copied().unwrap_or(1);
+        let all = if most.is_power_of_two() {
+            "powers of two".to_owned()
+        } else {
+            format!("powers of two, and {most}")
+        };
+        let mut text = format!(
+            "the simulator compares {all} processors, on all of them few plans: regions as large as possible, of 16 and of 64 pixels \
+             interleaved, or with groups of 2, 8, 32 ... as large as possible and of 32 pixels; on those numbers of processors that are faster \
+             than all smaller ones also regions of 32 and 128 pixels, regions in blocks, and groups of half and twice the best size; not \
+             compared are other numbers of processors, other groups and other regions"
+        );
+        if self.frames.iter().any(|frame| frame.plan.ranks > ALL_REGIONS) {
+            text += &format!("; of more than {ALL_REGIONS} processors other regions than the largest");
+        }
+        for (class, last) in &self.given_up {
+            text += &format!(
+                "; {class} on more than {last} processors: its time has risen {RISES} times in a row, to more than {HOPELESS} times its shortest"
+            );
+        }
+        text
+    }
+}
+
+fn why(best: &SimulatedFrame) -> String {
     let (name, seconds) = longest(&best.phases());
     format!(
         "{} is fastest of the classes simulated, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry \
          and {:.2} in rasterization",
-        describe(&best.plan),
+        describe_with_processors(&best.plan),
         milliseconds(best.total()),
         milliseconds(seconds),
         best.sorting.geometry.imbalance(),
@@ -97,7 +252,8 @@ fn why_simulated(best: &SimulatedFrame) -> String {
     )
 }
 
-fn class(organisation: Organisation) -> &'static str {
+/// The class of an organisation.
+fn name(organisation: Organisation) -> &'static str {
     match organisation {
         Organisation::SortFirst => "sort-first",
         Organisation::SortMiddle => "sort-middle",
@@ -108,7 +264,7 @@ fn class(organisation: Organisation) -> &'static str {
 
 /// A plan of the simulator in words.
 pub fn describe(plan: &Plan) -> String {
-    let mut text = class(plan.organisation).to_string();
+    let mut text = name(plan.organisation).to_string();
     if let Organisation::SortTwice(group) = plan.organisation {
         text += &format!(" in groups of {group}");
     }
@@ -122,3 +278,11 @@ pub fn describe(plan: &Plan) -> String {
     }
     text
 }
+
+/// A plan of the simulator in words, with its number of processors.
+pub fn describe_with_processors(plan: &Plan) -> String {
+    format!("{}, {}", describe(plan), counted(plan.ranks as u64, "processor", "processors"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@ use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::explain::{Line, others};
-use super::simulated::{explanation, plans, simulated};
+use super::simulated::search;
 use super::*;
 use crate::machines::builtin;
 use crate::predict::calibrate::prepare;
@@ -13,7 +13,7 @@ use crate::predict::ranks::on_threads;
 use crate::predict::views;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 
-fn counters(boxes: u64) -> Counters {
+pub(super) fn counters(boxes: u64) -> Counters {
     let binned =
         Counters { triangles: boxes, triangles_apart: boxes, triangles_binned: boxes, ..Counters::default() };
     Counters {
@@ -26,7 +26,7 @@ fn counters(boxes: u64) -> Counters {
     }
 }
 
-fn boxes(boxes: u64) -> BoxScene {
+pub(super) fn boxes(boxes: u64) -> BoxScene {
     let at = |k: u64| (k * 7919 % 1_000_003 % 1000) as i32;
     let of = |k| {
         let (x, y) = (at(k), at(k * 31 + 5));
@@ -46,21 +46,6 @@ fn advice(machine: &str, model: &str, processors: usize, topology: Option<Topolo
     advise(&builtin(machine).unwrap().unwrap(), &picture, processors, topology).unwrap()
 }
 
-#[test]
-fn the_first_of_the_simulator_is_the_fastest_and_the_others_are_explained() {
-    let machine = builtin("princeton-engine").unwrap().unwrap();
-    let plans = plans(&machine, 64, None);
-    let frames = simulated(&machine, &counters(3000), &boxes(3000), (1024, 1024), &plans).unwrap();
-    assert_eq!(frames.len(), plans.len());
-    assert!(frames.windows(2).all(|w| w[0].total() <= w[1].total()));
-    let lines = explanation(&frames);
-    assert_eq!(lines.len(), 4, "one line a class: {lines:?}");
-    // Sending 3,000 polygons is faster than sending megabytes of pixels round a ring.
-    let first = frames[0].plan.organisation;
-    assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
-    assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
-}
-
 /// Checks that what is named of each other class makes up nine tenths of the difference; how many classes there are.
 fn differences_are_made_up(lines: &[String]) -> usize {
     let size = |text: &str| text.trim_end_matches(" ms").rsplit(' ').next().unwrap().parse::<f64>().unwrap();
@@ -78,9 +63,8 @@ fn differences_are_made_up(lines: &[String]) -> usize {
 #[test]
 fn differences_to_other_classes_are_made_up_by_what_is_named() {
     let machine = builtin("princeton-engine").unwrap().unwrap();
-    let plans = plans(&machine, 64, None);
-    let frames = simulated(&machine, &counters(3000), &boxes(3000), (1024, 1024), &plans).unwrap();
-    assert_eq!(differences_are_made_up(&explanation(&frames)), 3);
+    let found = search(&machine, &counters(3000), &boxes(3000), (1024, 1024), None, 64).unwrap();
+    assert_eq!(differences_are_made_up(&found.explanation()), 3);
     for (machine, processors) in [("server-128", 4), ("server-128", 128), ("cluster-64", 300)] {
         let advice = advice(machine, "builtin:gyroid@5k", processors, None);
         assert_eq!(differences_are_made_up(&advice.explanation()), 4, "{machine} {processors}");
@@ -419,7 +403,6 @@ fn missing_parts_and_too_many_processors_are_reported() {
     let error = advise(&machine, &picture, 129, None).unwrap_err();
     assert!(error.to_string().contains("expected at most 128 processors, found 129"), "{error}");
     let machine = builtin("voodoo-sli").unwrap().unwrap();
-    let error =
-        simulated(&machine, &counters(1), &boxes(1), (64, 64), &plans(&machine, 2, None)).unwrap_err();
+    let error = search(&machine, &counters(1), &boxes(1), (64, 64), None, 2).unwrap_err();
     assert!(error.to_string().contains("missing in its description: network, bytes.primitive"), "{error}");
 }
