@@ -100,6 +100,14 @@ impl Predict {
         }
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine(self.running.quiet)?;
+        if let Some(per_node) = machine.processors.per_node.as_ref().filter(|_| self.share_processors) {
+            let text = format!(
+                "--share-processors is for a machine without nodes, found {}, whose nodes have {}",
+                machine.name,
+                counted_words(per_node.whole(), "processor", "processors")
+            );
+            return Err(UsageError(text).into());
+        }
         need_costs(&machine)?;
         let on_threads = self.organisation == OrganisationName::Threads;
         let count = machine.processors.count.whole();
