@@ -108,12 +108,11 @@ fn framebuffer() -> Result<Findings, ExperimentError> {
         ],
     );
     let mut beside = Vec::new();
-    let (mut published, mut full, mut sparse) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut full, mut sparse) = (Vec::new(), Vec::new());
     for (number, frame) in FRAMES.iter().enumerate() {
         let machine = machine(frame.machine)?;
         let of_ends = ends(&machine).ok_or_else(|| format!("{} has no section uncertainty", machine.name))?;
         let x = number as f64 + 1.0;
-        published.push((x, 1e3 / frame.rate));
         for (bytes, share) in BYTES.iter().flat_map(|&bytes| [0.1, 1.0].map(|share| (bytes, share))) {
             let job = frame.job(&machine)?;
             let [composite, deliver] = frame.rest(&job, share, bytes, 0.0).map(|seconds| seconds * 1e3);
@@ -138,7 +137,7 @@ fn framebuffer() -> Result<Findings, ExperimentError> {
             ]);
             if bytes == BYTES[1] {
                 let line = if share == 1.0 { &mut full } else { &mut sparse };
-                line.push((x, composite + deliver));
+                line.push((x, 100.0 * (composite + deliver) * 1e-3 * frame.rate));
                 if share == 1.0 {
                     beside.push(format!(
                         "{}: {:.1} ms ({:.1} to {:.1}) of the {:.0} ms of a frame",
@@ -154,13 +153,12 @@ fn framebuffer() -> Result<Findings, ExperimentError> {
     }
     let plot = Plot::new(
         "frames",
-        "The wires' part of published frames",
+        "Compositing and delivery on the wires, beside the frames that others measured",
         Axis::categories("picture", 1, FRAMES.map(|frame| frame.name)),
-        Axis::linear("ms"),
+        Axis::linear("percent of the measured frame"),
     )
     .with(Series::points("every node has the whole picture", full))
-    .with(Series::points("every node has a tenth", sparse))
-    .with(Series::points("published: the whole frame", published).published());
+    .with(Series::points("every node has a tenth", sparse));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
