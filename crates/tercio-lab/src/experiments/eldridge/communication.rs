@@ -2,7 +2,7 @@
 
 use crate::experiments::facts::Facts;
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::models::eldridge::{
     AREA, ASYMMETRY, DESCRIPTOR, DESCRIPTOR_PASS, GEOMETRY, OVERLAP, RASTER, SCREEN,
@@ -141,19 +141,15 @@ fn organisations() -> Result<Findings, ExperimentError> {
 fn pass_by_distance() -> Result<Findings, ExperimentError> {
     let mut table =
         Table::new("pass-by-distance", &[("distance", "processor"), ("per unit of distance", "instr")]);
-    let mut points = Vec::new();
-    for d in powers_of_two(1024) {
-        let cost = ring::pass(A, B, Processors::new(d)).get() / d;
-        table.push([d.into(), cost.into()]);
-        points.push((d, cost));
-    }
+    let cost = |d: f64| ring::pass(A, B, Processors::new(d)).get() / d;
+    powers_of_two(1024).for_each(|d| table.push([d.into(), cost(d).into()]));
     let plot = Plot::new(
         "pass-by-distance",
         "A pass over distance d, per unit of distance",
         Axis::log2("distance d (processors)"),
         Axis::linear("instructions per processor passed"),
     )
-    .with(Series::line_points("((2 + d) a + b) / d", points));
+    .with(Series::formula("((2 + d) a + b) / d", Scale::Log2, [1.0, 1024.0], cost));
     let correction = "Equation 5.2 is printed upside down; its value, 3.7, is that of 3 + b/a.";
     Ok(Findings {
         tables: vec![table],
@@ -170,14 +166,12 @@ fn strides() -> Result<Findings, ExperimentError> {
         "strides",
         &[("stride", "processor"), ("first stage", "instr"), ("second stage", "instr"), ("both", "instr")],
     );
-    let mut points = Vec::new();
+    let cost = |d: f64| distribution::two_stages(ONE, N, Processors::new(d), A, B).get();
     for d in powers_of_two(1024) {
         let d = Processors::new(d);
         let (first, second) =
             (distribution::stride_stage(ONE, N, d, A, B), distribution::alignment_stage(ONE, N, d, A, B));
-        let both = distribution::two_stages(ONE, N, d, A, B).get();
-        table.push([d.get().into(), first.get().into(), second.get().into(), both.into()]);
-        points.push((d.get(), both));
+        table.push([d.get().into(), first.get().into(), second.get().into(), cost(d.get()).into()]);
     }
     let best = distribution::optimal_stride(N, A, B).get();
     let least = distribution::two_stages_at_optimum(ONE, N, A, B).get();
@@ -187,7 +181,7 @@ fn strides() -> Result<Findings, ExperimentError> {
         Axis::log2("stride d (processors)"),
         Axis::linear("instructions per polygon"),
     )
-    .with(Series::line_points("equation 5.5", points))
+    .with(Series::formula("equation 5.5", Scale::Log2, [1.0, 1024.0], cost))
     .with(Series::printed_places("optimum, printed d = 27.36", [27.36]));
     Ok(Findings {
         tables: vec![table],
@@ -205,11 +199,7 @@ fn copies() -> Result<Findings, ExperimentError> {
     let of = |m: f64| distribution::duplicated(ONE, Ratio::new(m), N, test, finish, A, B).get();
     let mut table =
         Table::new("copies", &[("copies", ""), ("per polygon", "instr"), ("per visible polygon", "instr")]);
-    let mut points = Vec::new();
-    for m in powers_of_two(64) {
-        table.push([m.into(), of(m).into(), (2.0 * of(m)).into()]);
-        points.push((m, of(m)));
-    }
+    powers_of_two(64).for_each(|m| table.push([m.into(), of(m).into(), (2.0 * of(m)).into()]));
     let best = distribution::optimal_copies(N, test, A, B).get();
     let plot = Plot::new(
         "copies",
@@ -217,7 +207,7 @@ fn copies() -> Result<Findings, ExperimentError> {
         Axis::log2("copies m"),
         Axis::linear("instructions per polygon"),
     )
-    .with(Series::line_points("equation 5.8", points))
+    .with(Series::formula("equation 5.8", Scale::Log2, [1.0, 64.0], of))
     .with(Series::printed_places("optimum, printed m = 6.32", [6.32]));
     let correction = "The third term of equation 5.8 is (p/2n)(n/2m)(3a + b), not (p/2m)(n/2m)(3a + b): only so is the sum least \
                       at the printed 6.32 copies, which equation 5.9 gives.";

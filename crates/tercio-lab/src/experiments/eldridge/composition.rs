@@ -1,7 +1,7 @@
 //! Sort-twice: the part of chapter 6 that follows from formulas.
 
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::models::eldridge::{DESCRIPTOR, PIXEL, SCREEN, distribution, placement, sort_twice};
 use crate::units::{Count, Instructions, Pixels, Polygons, Processors, Words};
@@ -68,14 +68,15 @@ fn per_pixel() -> Result<Findings, ExperimentError> {
         "per-pixel",
         &[("group", "processor"), ("for n much larger", "instr"), ("for n = 1024", "instr")],
     );
-    let (mut limit, mut exact) = (Vec::new(), Vec::new());
-    for power in 0..=10 {
-        let g = Processors::new(f64::from(1u32 << power));
-        let wide = sort_twice::composite_per_pixel(g, PIXEL_WORDS, PIXEL_OVERHEAD).get();
-        let ours = sort_twice::composite(Pixels::new(1.0), g, N, PIXEL_WORDS, PIXEL_OVERHEAD).get();
-        table.push([g.get().into(), wide.into(), ours.into()]);
-        limit.push((g.get(), wide));
-        exact.push((g.get(), ours));
+    let limit = |group: f64| {
+        sort_twice::composite_per_pixel(Processors::new(group), PIXEL_WORDS, PIXEL_OVERHEAD).get()
+    };
+    let exact = |group: f64| {
+        let group = Processors::new(group);
+        sort_twice::composite(Pixels::new(1.0), group, N, PIXEL_WORDS, PIXEL_OVERHEAD).get()
+    };
+    for group in (0..=10).map(|power| f64::from(1u32 << power)) {
+        table.push([group.into(), limit(group).into(), exact(group).into()]);
     }
     let plot = Plot::new(
         "per-pixel",
@@ -83,8 +84,8 @@ fn per_pixel() -> Result<Findings, ExperimentError> {
         Axis::log2("processors in a group g"),
         Axis::linear("instructions per pixel"),
     )
-    .with(Series::line_points("n much larger than g (6.4)", limit))
-    .with(Series::line_points("n = 1024 (6.3)", exact));
+    .with(Series::formula("n much larger than g (6.4)", Scale::Log2, [1.0, 1024.0], limit))
+    .with(Series::formula("n = 1024 (6.3)", Scale::Log2, [1.0, 1024.0], exact));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

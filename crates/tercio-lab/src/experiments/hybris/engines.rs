@@ -4,7 +4,7 @@ use super::scenes::{LARGE, REMARK, SMALL, scene, scene_of_size};
 use crate::experiments::facts::Facts;
 use crate::experiments::sweep::sweep;
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Fit, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Fit, Plot, Scale, Series, Table,
 };
 use crate::machines::{Machine, load};
 use crate::models::hybris::rates::block_bandwidth;
@@ -234,8 +234,8 @@ fn bus() -> Result<Findings, ExperimentError> {
         block_bandwidth(Bytes::new(block), overhead, transfer.bandwidth.get()).get() / 1e6
     };
     let mut rates = Table::new("rates", &[("block", "B"), ("bandwidth", "MB/s")]);
-    let points: Vec<_> = (10..=23).map(|power| f64::from(1u32 << power)).map(|b| (b, rate(b))).collect();
-    points.iter().for_each(|p| rates.push([p.0.into(), p.1.into()]));
+    let blocks = (10..=23).map(|power| f64::from(1u32 << power));
+    blocks.for_each(|block| rates.push([block.into(), rate(block).into()]));
     let scene = scene(SMALL)?;
     let mut frames = Table::new(
         "frames",
@@ -261,7 +261,7 @@ fn bus() -> Result<Findings, ExperimentError> {
         Axis::log2("bytes of a transfer"),
         Axis::log10("MB/s"),
     )
-    .with(Series::line("fixed cost and bandwidth", points))
+    .with(Series::formula("fixed cost and bandwidth", Scale::Log2, [10, 23].map(|power| f64::from(1u32 << power)), rate))
     .with(Series::points("section 4.5.1", vec![(4096.0, 10.0), (2e6, 100.0)]).published());
     let mut comparison = Comparison::new();
     // The fixed cost of a transfer is inferred from the rate of small blocks, and the bus has 102 MB/s.

@@ -2,7 +2,7 @@
 
 use super::scenes::{REMARK, SMALL, scene};
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::machines;
 use crate::models::overlap;
@@ -43,17 +43,21 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         &[("tile", "px"), ("triangles", ""), ("entries", ""), ("counted", ""), ("equation 2.1", "")],
     );
     let mut comparison = Comparison::new();
-    let (mut counted, mut predicted, mut too_large) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut counted, mut too_large) = (Vec::new(), Vec::new());
+    // The sides of all boxes, which do not depend on the tiles.
+    let mut sides = Vec::new();
     for edge in EDGES {
         let done = run(&scene, edge);
         // A box of w pixels meets 1 + (w - 1)/S tiles on average over its positions on the pixel grid.
         let tile = Length::new(edge.into());
         let boxes = done.nodes.iter().filter_map(|t| t.rounded_box());
+        sides.clear();
         // The places of the boxes are one sample of all: a box of w pixels has a tile more with probability p, the
         // remainder of (w - 1)/S, so that its variance is p (1 - p).
         let (sum, count, variance) = boxes.fold((0.0, 0.0, 0.0), |(sum, count, variance), b| {
             let side = |first: i32, end: i32| Length::new(f64::from(end - first - 1));
             let both = [side(b.x0, b.x1), side(b.y0, b.y1)];
+            sides.push(both);
             let of_side = |side: Length| {
                 let ratio = side.get() / f64::from(edge);
                 let p = ratio.fract();
@@ -82,8 +86,11 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
             too_large.push(edge.to_string());
         }
         counted.push((tile.get(), ours));
-        predicted.push((tile.get(), equation));
     }
+    let predicted = |tile: f64| {
+        let meets = |both: &[Length; 2]| overlap::boxes_in_squares(Length::new(tile), both[0], both[1]).get();
+        sides.iter().map(meets).sum::<f64>() / sides.len() as f64
+    };
     let plot = Plot::new(
         "overlap",
         "Tiles that a triangle's box meets",
@@ -91,7 +98,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         Axis::linear("overlap"),
     )
     .with(Series::points("counted in the heap", counted))
-    .with(Series::line("equation 2.1 over all boxes", predicted));
+    .with(Series::formula("equation 2.1 over all boxes", Scale::Log2, [8.0, 256.0], predicted));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

@@ -2,7 +2,7 @@
 
 use crate::experiments::facts::Facts;
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::models::overlap;
 use crate::units::{Length, Pixels, Ratio};
@@ -48,30 +48,32 @@ fn by_tile_and_area() -> Result<Findings, ExperimentError> {
     let mut of_triangles = plot("overlap-exact", "Tiles that a triangle meets");
     for tile in TILES {
         let side = Length::new(tile.into());
-        let [mut boxes, mut boxes_printed, mut exacts, mut exacts_printed] = [const { Vec::new() }; 4];
+        let [mut boxes_printed, mut exacts_printed] = [const { Vec::new() }; 2];
+        let by_box = |area: f64| overlap::bounding_boxes(side, Pixels::new(area), RHO).get();
+        let exact = |area: f64| overlap::exact(side, Pixels::new(area), RHO).get();
         for area in AREAS {
-            let a = Pixels::new(area.into());
-            let (by_box, exact) =
-                (overlap::bounding_boxes(side, a, RHO).get(), overlap::exact(side, a, RHO).get());
+            let area_of = f64::from(area);
             let in_print = facts.printed(&format!("H2.15-bb-{tile}-{area}"))?;
             let exact_in_print = facts.printed(&format!("H2.15-ex-{tile}-{area}"))?;
             table.push([
                 side.get().into(),
-                a.get().into(),
-                by_box.into(),
+                area_of.into(),
+                by_box(area_of).into(),
                 in_print.into(),
-                exact.into(),
+                exact(area_of).into(),
                 exact_in_print.into(),
             ]);
-            boxes.push((a.get(), by_box));
-            boxes_printed.push((a.get(), in_print));
-            exacts.push((a.get(), exact));
-            exacts_printed.push((a.get(), exact_in_print));
+            boxes_printed.push((area_of, in_print));
+            exacts_printed.push((area_of, exact_in_print));
         }
         let (ours, printed) = (format!("tile {tile}"), format!("tile {tile}, published"));
         let published = |points| Series::points(&printed, points).published_for(&ours);
-        of_boxes = of_boxes.with(Series::line(&ours, boxes)).with(published(boxes_printed));
-        of_triangles = of_triangles.with(Series::line(&ours, exacts)).with(published(exacts_printed));
+        let formula = |of: &dyn Fn(f64) -> f64| {
+            let ends = [AREAS[0], AREAS[AREAS.len() - 1]].map(f64::from);
+            Series::formula(&ours, Scale::Log2, ends, of)
+        };
+        of_boxes = of_boxes.with(formula(&by_box)).with(published(boxes_printed));
+        of_triangles = of_triangles.with(formula(&exact)).with(published(exacts_printed));
     }
     Ok(Findings {
         tables: vec![table],

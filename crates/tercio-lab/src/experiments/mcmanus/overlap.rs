@@ -3,7 +3,7 @@
 use super::{BOX_AREA, FROM_CYCLES, POLYGONS, raster_cycles};
 use crate::experiments::facts::Facts;
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::models::{mcmanus, overlap};
 use crate::units::{Count, Hertz, Length, Pixels, Polygons};
@@ -32,20 +32,23 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
+/// The least and the largest side of a region in the document's tables, in pixels.
+const ENDS: [f64; 2] = [1.0, 512.0];
+
 fn measured_overlap() -> Result<Findings, ExperimentError> {
     let facts = Facts::load()?;
     let mut table = Table::new(
         "overlap",
         &[("side", "px"), ("raster cycles", ""), ("measured", ""), ("printed", ""), ("equation 6", "")],
     );
-    let (mut in_print, mut model) = (Vec::new(), Vec::new());
+    let mut in_print = Vec::new();
+    let model = |side: Length| mcmanus::overlap_of_area(side, Pixels::new(BOX_AREA)).get();
     for (side, cycles) in raster_cycles(&facts)? {
         let ours = mcmanus::measured_overlap(cycles, Polygons::new(POLYGONS)).get();
-        let by_model = mcmanus::overlap_of_area(side, Pixels::new(BOX_AREA)).get();
+        let by_model = model(side);
         let printed = facts.printed(&format!("M-T1-{}", side.get()))?;
         table.push([side.get().into(), cycles.get().into(), ours.into(), printed.into(), by_model.into()]);
         in_print.push((side.get(), printed));
-        model.push((side.get(), by_model));
     }
     let plot = Plot::new(
         "overlap",
@@ -53,7 +56,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         Axis::log2("side of a region (pixels)"),
         Axis::log10("regions per polygon"),
     )
-    .with(Series::line("equation 6", model))
+    .with(Series::formula("equation 6", Scale::Log2, ENDS, |side| model(Length::new(side))))
     .with(Series::points("table 1", in_print).published());
     Ok(Findings {
         tables: vec![table],
@@ -134,15 +137,15 @@ fn predicted_rate() -> Result<Findings, ExperimentError> {
             ("deviation", "%"),
         ],
     );
-    let (mut model, mut measured, mut in_print) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut measured, mut in_print) = (Vec::new(), Vec::new());
+    let model = |side: Length| mcmanus::rate(side, Pixels::new(BOX_AREA), per_second).get();
     for (side, cycles) in raster_cycles(&facts)? {
-        let by_model = mcmanus::rate(side, Pixels::new(BOX_AREA), per_second).get();
+        let by_model = model(side);
         let by_cycles = mcmanus::measured_rate(cycles, Polygons::new(POLYGONS), per_second).get();
         let deviation = 100.0 * (by_cycles / by_model - 1.0);
         let printed = facts.printed(&format!("M-T2P-{}", side.get()))?;
         table.push([side.get().into(), by_model.into(), by_cycles.into(), printed.into(), deviation.into()]);
         in_print.push((side.get(), printed));
-        model.push((side.get(), by_model));
         measured.push((side.get(), by_cycles));
     }
     let plot = Plot::new(
@@ -151,7 +154,7 @@ fn predicted_rate() -> Result<Findings, ExperimentError> {
         Axis::log2("side of the array (pixels)"),
         Axis::linear("polygons a second"),
     )
-    .with(Series::line("equation 7", model))
+    .with(Series::formula("equation 7", Scale::Log2, ENDS, |side| model(Length::new(side))))
     .with(Series::points(FROM_CYCLES, measured))
     .with(Series::points("table 2", in_print).published_for(FROM_CYCLES));
     Ok(Findings {

@@ -3,7 +3,7 @@
 use super::{BOX_AREA, FROM_CYCLES, POLYGONS, raster_cycles};
 use crate::experiments::facts::Facts;
 use crate::experiments::{
-    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
 };
 use crate::models::mcmanus::{self, optimum};
 use crate::units::{Cycles, Hertz, Length, Pixels, Polygons, SquareInches};
@@ -201,7 +201,7 @@ fn performance_by_area() -> Result<Findings, ExperimentError> {
     }
     // More renderers of the best size: a line through the origin, tangent to the curve.
     let best = points.iter().copied().max_by(|a, b| (a.1 / a.0).total_cmp(&(b.1 / b.0))).unwrap_or_default();
-    let linear = [0.5, 1.0, 2.0].map(|copies| (best.0 * copies, best.1 * copies)).to_vec();
+    let linear = |area: f64| best.1 / best.0 * area;
     let plot = Plot::new(
         "performance",
         "One renderer with a larger and larger array",
@@ -210,7 +210,7 @@ fn performance_by_area() -> Result<Findings, ExperimentError> {
     )
     .with(Series::line_points("arrays of 1 to 512", points))
     .with(Series::points("the same in table 2", in_print).published_for("arrays of 1 to 512"))
-    .with(Series::line("replicating the best renderer", linear));
+    .with(Series::formula("replicating the best renderer", Scale::Log10, [0.5, 2.0].map(|copies| copies * best.0), linear));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

@@ -14,6 +14,8 @@ use super::{Mark, Plot, Series};
 const SIZE: DVec2 = dvec2(640.0, 420.0);
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 16.0;
+/// From an axis to its numbers: more than the radius of a symbol at the origin.
+const GAP: f64 = 12.0;
 
 /// The rectangle of the data, and the axes along it.
 struct Frame {
@@ -39,13 +41,19 @@ impl Plot {
         places.iter().map(|p| self.x.scale.place(p.0)).filter(|x| x.is_finite()).collect()
     }
 
-    /// The looks of all series: each has its own, but published values that of the series they belong to.
+    /// The looks of all series: each has its own, but published values that of the series they belong to, and a line that of points.
     fn looks(&self) -> Vec<Look<'_>> {
         let mut looks: Vec<Look<'_>> = Vec::new();
         let mut next = 0;
         for series in &self.series {
-            let other =
-                looks.iter().find(|l| series.like.as_ref() == Some(&l.series.label)).map(|l| l.number);
+            let is_apart = |other: &Series| {
+                let marks = [other.mark, series.mark];
+                other.role != series.role || marks == [Mark::Points, Mark::Line] || marks == [Mark::Line, Mark::Points]
+            };
+            let is_like = |look: &&Look<'_>| {
+                series.like.as_ref() == Some(&look.series.label) && is_apart(look.series)
+            };
+            let other = looks.iter().find(is_like).map(|look| look.number);
             let number = other.unwrap_or(next);
             next += usize::from(other.is_none());
             looks.push(Look { series, number, as_bars: self.x.categories.is_some(), hidden_by: 0 });
@@ -79,12 +87,12 @@ impl Plot {
         let y = Division::new(self.y.scale, true, known().map(|p| p.y));
 
         let widest = y.ticks.iter().map(|&t| label::width(&y.label(t), LABEL)).fold(0.0, f64::max);
-        let left = MARGIN + LINE + 8.0 + widest + 6.0;
+        let left = MARGIN + LINE + 8.0 + widest + GAP;
         let top = MARGIN + title.len() as f64 * (TITLE + 4.0) + 10.0;
         let beside = legend.size();
         let right = SIZE.x - MARGIN - if beside.x > 0.0 { beside.x + 16.0 } else { 14.0 };
         let names = Names::of(self, (right - left) / (x.high - x.low));
-        let below = names.height() + LINE + 16.0;
+        let below = names.height() + LINE + 20.0;
         let height = SIZE.y.max(top + beside.y + below + MARGIN);
         let frame = Frame { low: dvec2(left, height - MARGIN - below), high: dvec2(right, top), x, y };
 
@@ -111,7 +119,7 @@ impl Plot {
                     let foot = frame.at(dvec2(x, frame.y.low));
                     look.push_upright(shapes, foot, dvec2(foot.x, frame.high.y));
                 }
-                look.push_line(shapes, [frame.low.x, frame.high.x], points, looks.len());
+                look.push_line(shapes, points);
             }
         }
         legend.push(shapes, dvec2(right + 16.0, top), &looks);
@@ -125,10 +133,10 @@ impl Plot {
         for &tick in &y.ticks {
             let at = frame.at(dvec2(x.low, tick));
             grid.push(vec![at, dvec2(high.x, at.y)]);
-            let text = at + dvec2(-6.0, 0.36 * LABEL);
+            let text = at + dvec2(-GAP, 0.36 * LABEL);
             label::push(shapes, &y.label(tick), LABEL, text, Anchor::End, false);
         }
-        let foot = low.y + LINE + 2.0;
+        let foot = low.y + LINE + 6.0;
         if names.lines.is_empty() {
             let labels: Vec<_> = x.ticks.iter().map(|&t| (frame.at(dvec2(t, y.low)), x.label(t))).collect();
             let every = sparse(&labels);

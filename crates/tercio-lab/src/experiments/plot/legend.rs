@@ -13,17 +13,17 @@ const SAMPLE: f64 = 30.0;
 const WIDEST: f64 = 140.0;
 /// What a question mark stands for.
 const UNKNOWN: &str = "? not known";
-/// What the looks of a document's values and of ours stand for: with bars, and with lines and points.
+/// What the looks of published values and of ours stand for: with bars, and with lines and points.
 const ORIGINS: [[&str; 2]; 2] = [
-    ["hatched: from the document", "filled: computed"],
-    ["hollow, dashed: from the document", "filled, solid: computed"],
+    ["hatched: published", "filled: computed"],
+    ["hollow, dashed: published", "filled, solid: computed"],
 ];
 
 /// What the legend says.
 pub(super) struct Legend {
     /// Lines of text of every series.
     labels: Vec<Vec<String>>,
-    /// Lines below them: what the looks of values from the document stand for, and question marks.
+    /// Lines below them: what the looks of published values stand for, and question marks.
     notes: Vec<String>,
 }
 

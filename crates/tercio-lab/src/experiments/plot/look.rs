@@ -13,8 +13,6 @@ const RADIUS: f64 = 3.6;
 const HOLLOW: f64 = 6.2;
 /// What a line and a symbol grow by for each line above that hides them.
 const RIM: f64 = 1.6;
-/// Symbols on a line that has none of its own.
-const SYMBOLS_OF_LINE: u32 = 5;
 
 /// How a series looks.
 pub(super) struct Look<'a> {
@@ -52,7 +50,7 @@ impl Look<'_> {
 
     fn push_symbol(&self, shapes: &mut Vec<Shape>, at: DVec2) {
         let radius = if self.is_published() { HOLLOW } else { RADIUS };
-        let outline = symbol(self.number, at, radius + self.rim());
+        let outline = symbol(kind(self.number), at, radius + self.rim());
         if self.is_published() {
             // Not filled, so that what is below can be seen.
             let closed = outline.iter().copied().chain(outline.first().copied()).collect();
@@ -63,8 +61,7 @@ impl Look<'_> {
         }
     }
 
-    /// Do most points of this series lie under those of another one? Hollow symbols hide nothing, and symbols of lines without
-    /// points are at different places.
+    /// Do most points of this series lie under those of another one? Hollow symbols hide nothing.
     pub fn is_hidden_by(&self, points: &[Option<DVec2>], other: &Self, others: &[Option<DVec2>]) -> bool {
         /// In pixels.
         const NEAR: f64 = 2.0;
@@ -77,44 +74,42 @@ impl Look<'_> {
         }
         let known = || points.iter().flatten();
         let is_met = |p: &&DVec2| others.iter().flatten().any(|q| q.distance(**p) < NEAR);
-        self.series.mark != Mark::Line
-            && known().count() > 1
-            && 2 * known().filter(is_met).count() > known().count()
+        known().count() > 1 && 2 * known().filter(is_met).count() > known().count()
     }
 
-    /// The line and the symbols of one of several series, whose axis is that wide; lines have gaps where there is no point.
-    pub fn push_line(
-        &self,
-        shapes: &mut Vec<Shape>,
-        [left, right]: [f64; 2],
-        points: &[Option<DVec2>],
-        of: usize,
-    ) {
+    /// The line and the symbols of a series; lines have gaps where there is no point.
+    pub fn push_line(&self, shapes: &mut Vec<Shape>, points: &[Option<DVec2>]) {
         let runs: Vec<Vec<DVec2>> =
             points.split(Option::is_none).map(|run| run.iter().flatten().copied().collect()).collect();
         if self.series.mark != Mark::Points {
             runs.iter().filter(|run| run.len() > 1).for_each(|run| self.push_stroke(shapes, run));
         }
-        if self.series.mark != Mark::Line {
+        if self.has_symbols() {
             runs.iter().flatten().for_each(|&at| self.push_symbol(shapes, at));
-        } else if of > 1 && (self.is_published() || self.series.like.is_none()) {
-            let place =
-                |k| (f64::from(k) + (self.number as f64 + 0.5) / of as f64) / f64::from(SYMBOLS_OF_LINE);
-            for x in (0..SYMBOLS_OF_LINE).map(|k| left + (right - left) * place(k)) {
-                if let Some(at) = runs.iter().find_map(|run| on_line(run, x)) {
-                    self.push_symbol(shapes, at);
-                }
-            }
         }
     }
 
-    /// A line from the foot of the plot to its top, with the symbol near the top, where it can be told from those at values.
-    pub fn push_upright(&self, shapes: &mut Vec<Shape>, foot: DVec2, top: DVec2) {
-        self.push_stroke(shapes, &[foot, top]);
-        self.push_symbol(shapes, top.lerp(foot, 0.03));
+    /// Are there symbols at its values?
+    fn has_symbols(&self) -> bool {
+        matches!(self.series.mark, Mark::Points | Mark::LinePoints)
     }
 
-    /// The sample of the legend, whose left end is at `at`.
+    /// A line from the foot of the plot to its top.
+    pub fn push_upright(&self, shapes: &mut Vec<Shape>, foot: DVec2, top: DVec2) {
+        self.push_stroke(shapes, &[foot, top]);
+    }
+
+    /// What it can be told from others by: the numbers of its colour, symbol and dashes, and whether it is published.
+    #[cfg(test)]
+    pub fn traits(&self) -> (usize, Option<usize>, Option<usize>, bool) {
+        let symbol = self.has_symbols().then(|| kind(self.number));
+        let dashes = (self.series.mark != Mark::Points).then(|| {
+            if self.is_published() { 1 + self.number % DASHES.len() } else { 0 }
+        });
+        (self.number % COLORS.len(), symbol, dashes, self.is_published())
+    }
+
+    /// The sample of the legend, whose left end is at `at`: line and symbol as they are drawn.
     pub fn push_sample(&self, shapes: &mut Vec<Shape>, at: DVec2, width: f64) {
         if self.as_bars {
             let (low, high) = (at + dvec2(6.0, 5.0), at + dvec2(width, -5.0));
@@ -123,12 +118,13 @@ impl Look<'_> {
         if self.series.mark != Mark::Points {
             self.push_stroke(shapes, &[at, at + dvec2(width, 0.0)]);
         }
-        self.push_symbol(shapes, at + dvec2(0.5 * width, 0.0));
+        if self.has_symbols() {
+            self.push_symbol(shapes, at + dvec2(0.5 * width, 0.0));
+        }
     }
 }
 
-/// The point of a line at `x`.
-fn on_line(line: &[DVec2], x: f64) -> Option<DVec2> {
-    let pair = line.windows(2).find(|p| p[0].x <= x && x < p[1].x)?;
-    Some(pair[0].lerp(pair[1], (x - pair[0].x) / (pair[1].x - pair[0].x)))
+/// The symbol of a look: of an eleventh one, whose colour is that of the first, the second.
+fn kind(number: usize) -> usize {
+    number + number / COLORS.len()
 }

@@ -1,6 +1,7 @@
-//! Plots for print, as SVG and PDF: our values as solid lines with full symbols, published ones as dashed lines with hollow
-//! symbols, bars for categories, the legend beside the data, and gaps where a value is not known. Series differ in colour and
-//! symbol (bars in colour and hatching), colours also in lightness; one that lies under another is drawn wider.
+//! Plots for print, as SVG and PDF: our values as solid lines and full symbols, published ones as dashed lines and hollow
+//! symbols, bars for categories, the legend beside the data, and gaps where a value is not known. Symbols are only where a value is:
+//! a closed formula is a line without any, of so many points that no corner can be seen. Series differ in colour and
+//! symbol or dashes (bars in colour and hatching), colours also in lightness; one that lies under another is drawn wider.
 
 mod bars;
 mod draw;
@@ -68,7 +69,8 @@ pub struct Series {
     pub role: Role,
     /// How they are drawn.
     pub mark: Mark,
-    /// The label of the series whose colour and symbol this one has, too: published values beside ours.
+    /// The label of the series whose colour and symbol this one has, too, if it can be told apart from it all the same: published
+    /// values beside ours, a line beside points.
     pub like: Option<String>,
     /// The points. Those that are not finite, or not positive on a logarithmic axis, are gaps.
     pub points: Vec<(f64, f64)>,
@@ -87,7 +89,7 @@ pub enum Role {
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// A line.
+    /// A line, of a formula or of values that lie close together.
     Line,
     /// Points.
     Points,
@@ -138,6 +140,23 @@ impl Series {
     /// Our values as points joined by a line.
     pub fn line_points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::LinePoints, ..Self::line(label, points) }
+    }
+
+    /// A closed formula between two places on the horizontal axis, as a line that bends where the formula does.
+    pub fn formula(
+        label: impl Into<String>,
+        scale: Scale,
+        [low, high]: [f64; 2],
+        of: impl Fn(f64) -> f64,
+    ) -> Self {
+        /// A step is about two pixels wide.
+        const STEPS: u32 = 256;
+        let place = |share: f64| match scale {
+            Scale::Linear => low + share * (high - low),
+            Scale::Log2 | Scale::Log10 => low * (high / low).powf(share),
+        };
+        let places = (0..=STEPS).map(|step| place(f64::from(step) / f64::from(STEPS)));
+        Self::line(label, places.map(|x| (x, of(x))).collect())
     }
 
     /// Places on the horizontal axis that a document prints, without heights.

@@ -1,6 +1,8 @@
 //! Document 003: raster cycles, silicon, and the best array for our own scenes.
 
-use super::super::{Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table};
+use super::super::{
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Scale, Series, Table,
+};
 use super::model_boxes;
 use crate::models::mcmanus::{self, optimum::optimal_side};
 use crate::published::ToleranceSource;
@@ -70,8 +72,8 @@ fn mean_area(scene: &BoxScene) -> f64 {
 }
 
 /// Equation 6.
-fn predicted(area: f64, side: u32) -> f64 {
-    mcmanus::overlap_of_area(Length::new(f64::from(side)), Pixels::new(area)).get()
+fn predicted(area: f64, side: f64) -> f64 {
+    mcmanus::overlap_of_area(Length::new(side), Pixels::new(area)).get()
 }
 
 fn cycles(scene: &BoxScene) -> Vec<RasterCycles> {
@@ -95,7 +97,7 @@ fn table_1() -> Result<Findings, ExperimentError> {
         let mut worst = 0.0;
         for run in &runs {
             let side = f64::from(run.side);
-            let formula = predicted(area, run.side);
+            let formula = predicted(area, side);
             table.push([
                 name.into(),
                 side.into(),
@@ -116,8 +118,8 @@ fn table_1() -> Result<Findings, ExperimentError> {
             worst <= 0.078,
         );
         series.push(Series::points(name, runs.iter().map(|r| (f64::from(r.side), r.overlap())).collect()));
-        let equation = sides().map(|a| (f64::from(a), predicted(area, a))).collect();
-        series.push(Series::line(format!("{name}, equation 6"), equation).like(name));
+        let (label, ends) = (format!("{name}, equation 6"), [1.0, 512.0]);
+        series.push(Series::formula(label, Scale::Log2, ends, |side| predicted(area, side)).like(name));
     }
     let published = [23.91, 8.36, 3.64, 2.06, 1.46, 1.21, 1.09, 1.04, 1.01, 1.00];
     let points = sides().map(f64::from).zip(published).collect();

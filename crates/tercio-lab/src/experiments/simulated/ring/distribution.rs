@@ -1,7 +1,7 @@
 //! Sparse and dense networks, and strides: figures 5-3 and 5-5.
 
 use super::super::super::sweep::sweep;
-use super::super::super::{Axis, Comparison, ExperimentError, Findings, Fit, Plot, Series, Table};
+use super::super::super::{Axis, Comparison, ExperimentError, Findings, Fit, Plot, Scale, Series, Table};
 use super::{
     DEVIATIONS, DOCUMENTED, SCENES, by_clumping, clumped, communication, curves, frame, least, record, scenes,
 };
@@ -110,17 +110,11 @@ pub fn strides() -> Result<Findings, ExperimentError> {
         let best = format!("8 or 16 the best stride {name}");
         comparison.fit(Fit::within(best, clumping, [1.0, f64::INFINITY], of(|g| g[1])));
     }
-    let formula = (0..10).map(|k| f64::from(1 << k)).map(|d| {
-        let cost = two_stages(
-            Polygons::new(1.0),
-            Processors::new(1024.0),
-            Processors::new(d),
-            Words::new(42.0),
-            Instructions::new(30.0),
-        );
-        (d, cost.get())
-    });
-    series.push(Series::line("equation 5.5", formula.collect()));
+    let formula = |d: f64| {
+        let (words, overhead) = (Words::new(42.0), Instructions::new(30.0));
+        two_stages(Polygons::new(1.0), Processors::new(1024.0), Processors::new(d), words, overhead).get()
+    };
+    series.push(Series::formula("equation 5.5", Scale::Log2, [1.0, 512.0], formula));
     let plot = Plot {
         name: "strides".into(),
         title: "Instructions of communication against the first stride".into(),
