@@ -125,8 +125,12 @@ fn ranks_share_processors_only_if_that_is_asked_for() {
     predict("-n 2 --share-processors").failed(2, &["--share-processors is for ranks"]);
     // Nodes have no processors to share, however many ranks there are.
     for ranks in [2, 9000] {
-        let command = format!("lab predict model.off --size 64x64 --machine cluster-64 -O sort-last -n {ranks} --share-processors");
-        place.run(&command).failed(2, &["is for a machine without nodes, found", "whose nodes have 128 processors"]);
+        let command = format!(
+            "lab predict model.off --size 64x64 --machine cluster-64 -O sort-last -n {ranks} --share-processors"
+        );
+        place
+            .run(&command)
+            .failed(2, &["is for a machine without nodes, found", "whose nodes have 128 processors"]);
     }
     let one = predict("-n 1").ok_silently();
     assert!(one.text().starts_with("1 thread\n"), "{}", one.text());

@@ -261,7 +261,12 @@ fn bus() -> Result<Findings, ExperimentError> {
         Axis::log2("bytes of a transfer"),
         Axis::log10("MB/s"),
     )
-    .with(Series::formula("fixed cost and bandwidth", Scale::Log2, [10, 23].map(|power| f64::from(1u32 << power)), rate))
+    .with(Series::formula(
+        "fixed cost and bandwidth",
+        Scale::Log2,
+        [10, 23].map(|power| f64::from(1u32 << power)),
+        rate,
+    ))
     .with(Series::points("section 4.5.1", vec![(4096.0, 10.0), (2e6, 100.0)]).published());
     let mut comparison = Comparison::new();
     // The fixed cost of a transfer is inferred from the rate of small blocks, and the bus has 102 MB/s.

@@ -210,7 +210,12 @@ fn performance_by_area() -> Result<Findings, ExperimentError> {
     )
     .with(Series::line_points("arrays of 1 to 512", points))
     .with(Series::points("the same in table 2", in_print).published_for("arrays of 1 to 512"))
-    .with(Series::formula("replicating the best renderer", Scale::Log10, [0.5, 2.0].map(|copies| copies * best.0), linear));
+    .with(Series::formula(
+        "replicating the best renderer",
+        Scale::Log10,
+        [0.5, 2.0].map(|copies| copies * best.0),
+        linear,
+    ));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

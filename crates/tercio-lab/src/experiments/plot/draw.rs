@@ -48,11 +48,12 @@ impl Plot {
         for series in &self.series {
             let is_apart = |other: &Series| {
                 let marks = [other.mark, series.mark];
-                other.role != series.role || marks == [Mark::Points, Mark::Line] || marks == [Mark::Line, Mark::Points]
+                other.role != series.role
+                    || marks == [Mark::Points, Mark::Line]
+                    || marks == [Mark::Line, Mark::Points]
             };
-            let is_like = |look: &&Look<'_>| {
-                series.like.as_ref() == Some(&look.series.label) && is_apart(look.series)
-            };
+            let is_like =
+                |look: &&Look<'_>| series.like.as_ref() == Some(&look.series.label) && is_apart(look.series);
             let other = looks.iter().find(is_like).map(|look| look.number);
             let number = other.unwrap_or(next);
             next += usize::from(other.is_none());

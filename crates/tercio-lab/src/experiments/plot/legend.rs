@@ -14,10 +14,8 @@ const WIDEST: f64 = 140.0;
 /// What a question mark stands for.
 const UNKNOWN: &str = "? not known";
 /// What the looks of published values and of ours stand for: with bars, and with lines and points.
-const ORIGINS: [[&str; 2]; 2] = [
-    ["hatched: published", "filled: computed"],
-    ["hollow, dashed: published", "filled, solid: computed"],
-];
+const ORIGINS: [[&str; 2]; 2] =
+    [["hatched: published", "filled: computed"], ["hollow, dashed: published", "filled, solid: computed"]];
 
 /// What the legend says.
 pub(super) struct Legend {

@@ -103,9 +103,8 @@ impl Look<'_> {
     #[cfg(test)]
     pub fn traits(&self) -> (usize, Option<usize>, Option<usize>, bool) {
         let symbol = self.has_symbols().then(|| kind(self.number));
-        let dashes = (self.series.mark != Mark::Points).then(|| {
-            if self.is_published() { 1 + self.number % DASHES.len() } else { 0 }
-        });
+        let dashes = (self.series.mark != Mark::Points)
+            .then(|| if self.is_published() { 1 + self.number % DASHES.len() } else { 0 });
         (self.number % COLORS.len(), symbol, dashes, self.is_published())
     }
 

@@ -166,9 +166,8 @@ impl Search<'_> {
             Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &[None, Some(16), Some(64)]),
         };
         let regions = if ranks > ALL_REGIONS { &regions[..1] } else { regions };
-        let of_group = |&group: &usize| {
-            regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>()
-        };
+        let of_group =
+            |&group: &usize| regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>();
         let all = groups.iter().flat_map(of_group);
         all.map(|(group, region)| self.plan(class(group), ranks, region, Assignment::Interleaved)).collect()
     }
@@ -190,7 +189,8 @@ impl Search<'_> {
         let mut plans = Vec::new();
         for group in groups {
             for region in REGIONS {
-                let all = ASSIGNMENTS.map(|assignment| self.plan(class(group), best.ranks, region, assignment));
+                let all =
+                    ASSIGNMENTS.map(|assignment| self.plan(class(group), best.ranks, region, assignment));
                 plans.extend(all.into_iter().filter(|plan| !rough.contains(plan)));
             }
         }

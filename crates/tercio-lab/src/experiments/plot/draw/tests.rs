@@ -43,7 +43,9 @@ impl Plot {
 fn symbols(page: &Page) -> Vec<[f64; 4]> {
     let outlines = page.shapes.iter().filter_map(|shape| match shape {
         Shape::Area { polygons, .. } => polygons.first(),
-        Shape::Lines { lines, .. } => lines.first().filter(|line| line.len() > 3 && line.first() == line.last()),
+        Shape::Lines { lines, .. } => {
+            lines.first().filter(|line| line.len() > 3 && line.first() == line.last())
+        }
         Shape::Text(_) => None,
     });
     let of = |outline: &Vec<DVec2>| {
@@ -172,7 +174,9 @@ fn the_legend_says_once_what_is_from_the_document() {
     let says = |plot: &Plot, what: &str| svg(plot).matches(&format!(">{what}</text>")).count();
     assert_eq!((says(&both, "filled, solid: computed"), says(&lines(), "filled, solid: computed")), (1, 0));
     assert_eq!((says(&alone, "filled, solid: computed"), says(&bars, "filled: computed")), (0, 1));
-    for (plot, from) in [(&both, "dashed: published"), (&alone, "dashed: published"), (&bars, "hatched: published")] {
+    for (plot, from) in
+        [(&both, "dashed: published"), (&alone, "dashed: published"), (&bars, "hatched: published")]
+    {
         assert!(svg(plot).contains(from) && collisions(&plot.page()).is_empty(), "{from}");
     }
     assert!(!svg(&lines()).contains("published"));
@@ -204,9 +208,13 @@ fn a_line_under_another_one_is_wider() {
 fn lines_have_no_symbols_and_the_legend_shows_what_is_drawn() {
     let empty = || Plot::new("p", "t", Axis::linear("x"), Axis::linear("y"));
     let values = || vec![(1.0, 1.0), (2.0, 3.0), (3.0, 2.0)];
-    let lines = empty().with(Series::line("a", values())).with(Series::line("b", vec![(1.0, 2.0), (3.0, 1.0)]).published());
+    let lines = empty()
+        .with(Series::line("a", values()))
+        .with(Series::line("b", vec![(1.0, 2.0), (3.0, 1.0)]).published());
     assert!(symbols(&lines.page()).is_empty());
-    let points = lines.with(Series::points("c", values())).with(Series::line_points("d", vec![(1.0, 3.0), (3.0, 3.0)]));
+    let points = lines
+        .with(Series::points("c", values()))
+        .with(Series::line_points("d", vec![(1.0, 3.0), (3.0, 3.0)]));
     // Three and two values, and one symbol each in the legend.
     assert_eq!(symbols(&points.page()).len(), 3 + 1 + 2 + 1);
     // Lines and samples of a, d and, in strokes, of b.
@@ -227,10 +235,12 @@ fn series_of_one_colour_can_be_told_apart() {
     assert_eq!(plot(Series::points("a", points()), equation()), [0, 0]);
     assert_eq!(plot(Series::line_points("a", points()), equation().published()), [0, 0]);
     let twice = Plot::new("p", "t", Axis::linear("x"), Axis::linear("y"));
-    let of_eleven = (0..=COLORS.len()).fold(twice, |plot, k| plot.with(Series::points(k.to_string(), points())));
+    let of_eleven =
+        (0..=COLORS.len()).fold(twice, |plot, k| plot.with(Series::points(k.to_string(), points())));
     assert!(!of_eleven.collisions().iter().any(|c| c.contains("looks like")), "{:?}", of_eleven.collisions());
     let of_lines = of_eleven.series.into_iter().map(|s| Series { mark: Mark::Line, ..s });
-    let of_lines = Plot { series: of_lines.collect(), ..Plot::new("p", "t", Axis::linear("x"), Axis::linear("y")) };
+    let of_lines =
+        Plot { series: of_lines.collect(), ..Plot::new("p", "t", Axis::linear("x"), Axis::linear("y")) };
     assert!(of_lines.collisions().contains(&"10 looks like another series".to_owned()));
 }
 
@@ -254,7 +264,9 @@ fn symbols_at_the_origin_leave_its_numbers_free() {
 #[test]
 fn formulas_bend_where_they_do() {
     let of = |x: f64| 600_000.0 * x / 3.0;
-    for (scale, axis) in [(Scale::Log10, Axis::log10("x")), (Scale::Log2, Axis::log2("x")), (Scale::Linear, Axis::linear("x"))] {
+    for (scale, axis) in
+        [(Scale::Log10, Axis::log10("x")), (Scale::Log2, Axis::log2("x")), (Scale::Linear, Axis::linear("x"))]
+    {
         let series = Series::formula("replication", scale, [1.5, 96.0], of);
         assert_eq!([series.points[0].0, series.points[256].0].map(|x| (x * 1e9).round() / 1e9), [1.5, 96.0]);
         let (x, y) = (axis.scale, Axis::linear("y").scale);

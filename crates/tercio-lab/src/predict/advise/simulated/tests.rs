@@ -63,7 +63,8 @@ fn few_plans_find_nearly_the_best_of_all() {
         for class in CLASSES {
             let mut plans = Vec::new();
             for ranks in (0..7).map(|bit| 1usize << bit) {
-                let groups = if name(class(2)) == "sort-twice" { search.groups(ranks).collect() } else { vec![2] };
+                let groups =
+                    if name(class(2)) == "sort-twice" { search.groups(ranks).collect() } else { vec![2] };
                 for group in groups {
                     for region in REGIONS {
                         plans.extend(ASSIGNMENTS.map(|a| search.plan(class(group), ranks, region, a)));
@@ -105,15 +106,20 @@ fn classes_whose_times_only_rise_are_given_up() {
     assert!(many.frames.iter().all(|frame| frame.plan.ranks <= 1 << 17));
     let said = &many.explanation()[1];
     for (class, last) in &many.given_up {
-        assert!(said.contains(&format!("{class} on more than {last} processors: its time has risen")), "{said}");
+        assert!(
+            said.contains(&format!("{class} on more than {last} processors: its time has risen")),
+            "{said}"
+        );
     }
     assert!(said.contains("powers of two, and 1000000 processors"), "{said}");
     // The first rise is that of messages: two processors have some, and one has none.
     let unpacked = &machines()[3];
     let found = found(unpacked, 20_000, 64);
     let best = |ranks: usize| {
-        let of_middle =
-            found.frames.iter().filter(|f| f.plan.organisation == Organisation::SortMiddle && f.plan.ranks == ranks);
+        let of_middle = found
+            .frames
+            .iter()
+            .filter(|f| f.plan.organisation == Organisation::SortMiddle && f.plan.ranks == ranks);
         of_middle.map(SimulatedFrame::total).fold(f64::INFINITY, f64::min)
     };
     assert!(best(2) > HOPELESS * best(1), "{} {}", best(2), best(1));
