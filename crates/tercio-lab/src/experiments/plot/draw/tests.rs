@@ -146,7 +146,7 @@ fn a_value_that_is_not_known_is_a_gap() {
 fn published_values_have_the_colour_of_ours_and_are_dashed() {
     let points = vec![(1.0, 1.0), (2.0, 2.0)];
     let plot = Plot::new("p", "t", Axis::linear("x"), Axis::linear("y"))
-        .with(Series::line("a", points.clone()))
+        .with(Series::line("a", vec![(1.0, 2.0), (2.0, 1.0)]))
         .with(Series::line("b", points.clone()))
         .with(Series::line("b, published", points).published_for("b"));
     // A line and the sample of the legend, and more than these where there are strokes.
