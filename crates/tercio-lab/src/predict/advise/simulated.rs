@@ -2,7 +2,7 @@
 //!
 //! Each class is simulated on 1, 2, 4 ... processors and on as many as there may be: roughly on every number, and with all regions on the
 //! numbers that were the fastest so far. What is simulated on a number does not depend on how many processors there may be, so
-//! twice as many never give a worse answer.
+//! a larger power of two never gives a worse answer than a smaller one.
 
 use rayon::prelude::*;
 use serde::Serialize;
