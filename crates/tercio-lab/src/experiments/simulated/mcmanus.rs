@@ -161,7 +161,7 @@ fn figure_3() -> Result<Findings, ExperimentError> {
             table.push([f64::from(run.side).into(), (count as f64).into(), area.into(), time.into()]);
             points.push((area, time));
         }
-        series.push(Series::line(format!("{0}x{0}", run.side), points));
+        series.push(Series::line_points(format!("{0}x{0}", run.side), points));
     }
     let best = silicon::best(&renderers).map_or(0, |r| r.side);
     let mut comparison = Comparison::new();

@@ -69,7 +69,8 @@ fn symbols_on_text(page: &Page) -> Vec<String> {
     covered.map(|text| format!("a symbol touches {}", text.text)).collect()
 }
 
-/// Lines of ours that turn by more than five degrees between two straight parts of twelve pixels, without symbols in their colour.
+/// Lines of ours through few points that turn by more than five degrees between two straight parts of twelve pixels, without symbols in
+/// their colour.
 fn corners(page: &Page) -> Vec<String> {
     let mut found = Vec::new();
     for shape in &page.shapes {
@@ -82,7 +83,8 @@ fn corners(page: &Page) -> Vec<String> {
             let [before, after] = [p[1] - p[0], p[2] - p[1]];
             before.length().min(after.length()) > 12.0 && before.angle_to(after).abs().to_degrees() > 5.0
         };
-        let corner = lines.iter().flat_map(|line| line.windows(3)).find(|p| turns(p));
+        let corner =
+            lines.iter().filter(|line| line.len() < 16).flat_map(|line| line.windows(3)).find(|p| turns(p));
         found.extend(corner.map(|p| format!("a line of {color:?} has a corner at {}", p[1])));
     }
     found

@@ -241,8 +241,9 @@ pub fn communication() -> Result<Findings, ExperimentError> {
         comparison.add(name, ratio, 1.0, 0.05, ToleranceSource::Words);
     }
     let equations = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(|p| (p.visible, of(p))).collect();
-    let middle = Series::line("sort-middle, equation 5.5", equations(&|p| predicted_middle(p.visible)));
-    let twice = Series::line("sort-twice, equations 6.5 and 6.3", equations(&predicted_twice));
+    let middle =
+        Series::line_points("sort-middle, equation 5.5", equations(&|p| predicted_middle(p.visible)));
+    let twice = Series::line_points("sort-twice, equations 6.5 and 6.3", equations(&predicted_twice));
     // The document's curves are lost; it says that they match its equations, and where they cross.
     findings.plots[0].series.extend([
         middle.like(SORT_MIDDLE),
