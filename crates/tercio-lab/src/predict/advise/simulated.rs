@@ -162,30 +162,36 @@ impl Search<'_> {
         powers.filter(move |&group| any || ranks.is_multiple_of(group))
     }
 
-    /// Few plans of a class on a number of processors: interleaved, with few regions and every second size of groups.
+    /// Plans of a class on a number of processors: all, but of sort-twice few, interleaved, with few regions and every second size of
+    /// groups.
     fn rough(&self, class: Class, ranks: usize) -> Vec<Plan> {
         let (groups, regions): (Vec<usize>, &[Option<u32>]) = match class(2) {
             // An owner of the whole picture needs no regions.
             Organisation::SortLast => (vec![2], &[None]),
             Organisation::SortTwice(_) => (self.groups(ranks).step_by(2).collect(), &[None, Some(32)]),
-            Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &[None, Some(16), Some(64)]),
+            Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &REGIONS),
         };
         let regions = if ranks > ALL_REGIONS { &regions[..1] } else { regions };
         let of_group =
             |&group: &usize| regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>();
         let all = groups.iter().flat_map(of_group);
-        all.map(|(group, region)| self.plan(class(group), ranks, region, Assignment::Interleaved)).collect()
+        let few =
+            matches!(class(2), Organisation::SortLast | Organisation::SortTwice(_)) || ranks > ALL_REGIONS;
+        let assignments = if few { &ASSIGNMENTS[..1] } else { &ASSIGNMENTS[..] };
+        let plans = |(group, region)| {
+            assignments.iter().map(move |&a| self.plan(class(group), ranks, region, a)).collect::<Vec<_>>()
+        };
+        all.flat_map(plans).collect()
     }
 
     /// The other plans beside the fastest of the few ones: all regions and assignments; groups of this size, half and twice as many.
     fn fine(&self, class: Class, best: &Plan) -> Vec<Plan> {
         let groups: Vec<usize> = match best.organisation {
-            Organisation::SortLast => Vec::new(),
             Organisation::SortTwice(group) => {
                 let near = [group / 2, group, 2 * group];
                 self.groups(best.ranks).filter(|size| near.contains(size)).collect()
             }
-            Organisation::SortFirst | Organisation::SortMiddle => vec![2],
+            _ => Vec::new(),
         };
         if best.ranks > ALL_REGIONS {
             return Vec::new();
@@ -227,9 +233,9 @@ impl Found {
             format!("powers of two, and {most}")
         };
         let mut text = format!(
-            "the simulator compares {all} processors, on all of them few plans: regions as large as possible, of 16 and of 64 pixels \
-             interleaved, or with groups of 2, 8, 32 ... as large as possible and of 32 pixels; on those numbers of processors that are faster \
-             than all smaller ones also regions of 32 and 128 pixels, regions in blocks, and groups of half and twice the best size; not \
+            "the simulator compares {all} processors, with regions as large as possible and of 16 to 128 pixels, interleaved and in blocks; of \
+             sort-twice on all of them only groups of 2, 8, 32 ... with the largest regions and those of 32 pixels, interleaved, and the others, \
+             with groups of half and twice the best size, on those numbers of processors that are faster than all smaller ones; not \
              compared are other numbers of processors, other groups and other regions"
         );
         if self.frames.iter().any(|frame| frame.plan.ranks > ALL_REGIONS) {

@@ -31,7 +31,7 @@ fn the_first_is_the_fastest_and_the_others_are_explained() {
     let first = found.frames[0].plan.organisation;
     assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
     assert!(lines.iter().any(|l| l.starts_with("sort-twice") && l.contains("composition")), "{lines:?}");
-    assert!(lines[1].contains("powers of two processors, on all of them few plans"), "{lines:?}");
+    assert!(lines[1].contains("powers of two processors, with regions as large as possible"), "{lines:?}");
 }
 
 /// Of every class: what is found on 2n processors is no slower than on n.
@@ -77,7 +77,12 @@ fn few_plans_find_nearly_the_best_of_all() {
             };
             let all = search.simulate(&plans).unwrap();
             let (all, few) = (least(&all), least(&few.frames));
-            assert!(all <= few && few <= 1.1 * all, "{} {}: {few} {all}", machine.name, name(class(2)));
+            assert!(
+                all <= few && few <= if name(class(2)) == "sort-twice" { 1.1 } else { 1.0 } * all,
+                "{} {}: {few} {all}",
+                machine.name,
+                name(class(2))
+            );
         }
     }
 }
