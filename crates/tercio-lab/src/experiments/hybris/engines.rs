@@ -207,7 +207,7 @@ fn asic() -> Result<Findings, ExperimentError> {
     .with(Series::line_points("simulated", points.clone()))
     .with(Series::line("section 4.6", points.iter().map(|p| (p.0, published)).collect()).published());
     Ok(Findings {
-        tables: vec![table, sizes],
+        tables: vec![table, sizes, comparison.intervals()],
         plots: vec![plot],
         remarks: vec![
             REMARK.into(),
@@ -351,7 +351,7 @@ fn two_processors() -> Result<Findings, ExperimentError> {
         ));
     }
     Ok(Findings {
-        tables: vec![table, sizes],
+        tables: vec![table, sizes, comparison.intervals()],
         plots: Vec::new(),
         remarks: vec![
             REMARK.into(),

@@ -110,7 +110,7 @@ fn objects() -> Result<Findings, ExperimentError> {
         }
     }
     Ok(Findings {
-        tables: vec![table, places, panels],
+        tables: vec![table, places, panels, comparison.intervals()],
         plots: Vec::new(),
         remarks: vec![
             "A teapot of about 400 triangles at one side of the screen stands for the shuttle seen from outside (figures 22 \

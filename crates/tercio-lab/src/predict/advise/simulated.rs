@@ -21,6 +21,9 @@ use crate::workloads::BoxScene;
 /// plan has up to as many exchanges as their logarithm.
 const ALL_REGIONS: usize = 1 << 16;
 
+/// On more processors few plans of sort-twice are simulated at first: there are as many sizes of groups as the logarithm.
+const ALL_GROUPS: usize = 1 << 10;
+
 /// A class is given up when its time has risen with the number of processors so many times in a row,
 const RISES: u32 = 3;
 
@@ -162,21 +165,27 @@ impl Search<'_> {
         powers.filter(move |&group| any || ranks.is_multiple_of(group))
     }
 
-    /// Plans of a class on a number of processors: all, but of sort-twice few, interleaved, with few regions and every second size of
-    /// groups.
+    /// Plans of a class on a number of processors: all, but of sort-twice above [`ALL_GROUPS`] few, interleaved, with few regions and
+    /// every second size of groups.
     fn rough(&self, class: Class, ranks: usize) -> Vec<Plan> {
         let (groups, regions): (Vec<usize>, &[Option<u32>]) = match class(2) {
             // An owner of the whole picture needs no regions.
             Organisation::SortLast => (vec![2], &[None]),
-            Organisation::SortTwice(_) => (self.groups(ranks).step_by(2).collect(), &[None, Some(32)]),
+            Organisation::SortTwice(_) if ranks > ALL_GROUPS => {
+                (self.groups(ranks).step_by(2).collect(), &[None, Some(32)])
+            }
+            Organisation::SortTwice(_) => (self.groups(ranks).collect(), &REGIONS),
             Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &REGIONS),
         };
         let regions = if ranks > ALL_REGIONS { &regions[..1] } else { regions };
         let of_group =
             |&group: &usize| regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>();
         let all = groups.iter().flat_map(of_group);
-        let few =
-            matches!(class(2), Organisation::SortLast | Organisation::SortTwice(_)) || ranks > ALL_REGIONS;
+        let few = match class(2) {
+            Organisation::SortLast => true,
+            Organisation::SortTwice(_) => ranks > ALL_GROUPS,
+            _ => ranks > ALL_REGIONS,
+        };
         let assignments = if few { &ASSIGNMENTS[..1] } else { &ASSIGNMENTS[..] };
         let plans = |(group, region)| {
             assignments.iter().map(move |&a| self.plan(class(group), ranks, region, a)).collect::<Vec<_>>()
@@ -234,7 +243,7 @@ impl Found {
         };
         let mut text = format!(
             "the simulator compares {all} processors, with regions as large as possible and of 16 to 128 pixels, interleaved and in blocks; of \
-             sort-twice on all of them only groups of 2, 8, 32 ... with the largest regions and those of 32 pixels, interleaved, and the others, \
+             sort-twice on more than {ALL_GROUPS} of them only groups of 2, 8, 32 ... with the largest regions and those of 32 pixels, interleaved, and the others, \
              with groups of half and twice the best size, on those numbers of processors that are faster than all smaller ones; not \
              compared are other numbers of processors, other groups and other regions"
         );

@@ -101,23 +101,24 @@ fn no_frame_is_faster_than_its_work_shared_evenly() {
     }
 }
 
-/// Of a million processors most are not simulated, which is said; and the answer is that of 8,192.
+/// Of a million processors some classes are not simulated, which is said; and the answer is no worse than that of 8,192.
 #[test]
 fn classes_whose_times_only_rise_are_given_up() {
     let machine = builtin("cluster-64").unwrap().unwrap();
     let [some, many] = [8192, 1_000_000].map(|processors| found(&machine, 600, processors));
     assert!(many.frames[0].total() <= some.frames[0].total());
-    assert_eq!(many.given_up.len(), 4, "{:?}", many.given_up);
-    assert!(many.frames.iter().all(|frame| frame.plan.ranks <= 1 << 17));
+    assert!(!many.given_up.is_empty());
     let said = &many.explanation()[1];
     for (class, last) in &many.given_up {
+        let of_class = many.frames.iter().filter(|f| name(f.plan.organisation) == *class);
+        assert_eq!(of_class.map(|f| f.plan.ranks).max(), Some(*last), "{class}");
         assert!(
             said.contains(&format!("{class} on more than {last} processors: its time has risen")),
             "{said}"
         );
     }
     assert!(said.contains("powers of two, and 1000000 processors"), "{said}");
-    // The first rise is that of messages: two processors have some, and one has none.
+    // The first rise is that of messages: two processors have some, and one has none. It does not end the search.
     let unpacked = &machines()[3];
     let found = found(unpacked, 5000, 64);
     let best = |ranks: usize| {
@@ -127,6 +128,6 @@ fn classes_whose_times_only_rise_are_given_up() {
             .filter(|f| f.plan.organisation == Organisation::SortMiddle && f.plan.ranks == ranks);
         of_middle.map(SimulatedFrame::total).fold(f64::INFINITY, f64::min)
     };
-    assert!(best(2) > HOPELESS * best(1), "{} {}", best(2), best(1));
+    assert!(best(2) > best(1), "{} {}", best(2), best(1));
     assert!(best(64).is_finite() && best(64) < best(2), "{}", best(64));
 }
