@@ -34,6 +34,8 @@ pub fn until_end(child: &Child) -> Option<Memory> {
     let pid = Pid::from_raw(i32::try_from(child.id()).expect("a number of a process"));
     match ptrace::seize(pid, ptrace::Options::PTRACE_O_TRACEEXIT) {
         Err(Errno::ESRCH) => return None,
+        // One that has ended and was not waited for yet cannot be watched.
+        Err(Errno::EPERM) if has_ended(pid) => return None,
         seized => seized.expect("the right to watch a program that this one has started"),
     }
     loop {
@@ -48,6 +50,11 @@ pub fn until_end(child: &Child) -> Option<Memory> {
             _ => {}
         }
     }
+}
+
+fn has_ended(pid: Pid) -> bool {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).expect("a file of /proc");
+    status.lines().any(|line| line.starts_with("State:\tZ") || line.starts_with("State:\tX"))
 }
 
 fn count(pid: Pid) -> Memory {
@@ -76,4 +83,15 @@ fn count(pid: Pid) -> Memory {
 /// The bytes of a number in kB.
 fn bytes(text: &str) -> u64 {
     text.trim().strip_suffix("kB").and_then(|n| n.trim().parse::<u64>().ok()).expect("a number in kB") * 1024
+}
+
+#[test]
+fn an_ended_process_is_not_counted() {
+    let mut child = std::process::Command::new("true").spawn().expect("the program starts");
+    let pid = Pid::from_raw(child.id() as i32);
+    while !has_ended(pid) {
+        std::thread::yield_now();
+    }
+    assert!(until_end(&child).is_none());
+    child.wait().expect("the program ran");
 }
