@@ -3,8 +3,6 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
-use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
 use crate::{Environment, InstanceMaterials, Light, Material, SurfaceData, SurfaceEdges, Texture};
@@ -110,27 +108,8 @@ impl Instance {
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         let mesh = &*self.mesh;
         let d = self.world_from_object.matrix3.transpose() * direction;
-        // Both sums run in the same order, so that no vertex is outside its box after rounding.
-        let of_box = |c: &Cluster| {
-            let far = |k: usize| (d[k] * f64::from(c.min[k])).max(d[k] * f64::from(c.max[k]));
-            far(0) + far(1) + far(2)
-        };
-        let of_vertices = |number: usize| {
-            let [x, y, z] = mesh.cluster(number).positions();
-            (0..x.len()).fold(f64::NEG_INFINITY, |best, i| {
-                let p = [x[i], y[i], z[i]].map(f64::from);
-                best.max(d[0] * p[0] + d[1] * p[1] + d[2] * p[2])
-            })
-        };
-        // Begin with the box that reaches farthest: then few other clusters need a test of their vertices.
-        let clusters = || mesh.clusters().par_iter().enumerate().with_min_len(1 << 12);
-        let first = clusters().max_by(|a, b| of_box(a.1).total_cmp(&of_box(b.1)));
-        let start = first.map_or(f64::NEG_INFINITY, |(number, _)| of_vertices(number));
-        let best = clusters()
-            .fold(|| start, |best, (i, c)| if of_box(c) > best { best.max(of_vertices(i)) } else { best })
-            .reduce(|| start, f64::max);
         let origin = self.world_from_object.transform_point3(mesh.origin) - from;
-        direction.dot(origin) + best * mesh.unit()
+        direction.dot(origin) + mesh.farthest(d) * mesh.unit()
     }
 }
 

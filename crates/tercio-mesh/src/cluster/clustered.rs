@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
+use super::farthest::Corners;
 use super::{Buffer, Cluster, ClusterView, Layout, Line, MAX_TRIANGLES};
 use crate::mesh::power_of_two;
 use crate::{Aabb, FileMaterial, checksum};
@@ -45,6 +46,8 @@ pub struct ClusteredMesh {
     pub(crate) translucent: bool,
     /// [`ClusteredMesh::checksum`], once it was asked for.
     pub(crate) checksum: OnceLock<u64>,
+    /// Boxes of groups of clusters, once [`ClusteredMesh::farthest`] needed them.
+    pub(crate) groups: OnceLock<Vec<Corners>>,
 }
 
 impl Default for ClusteredMesh {
@@ -64,6 +67,7 @@ impl Default for ClusteredMesh {
             triangles: 0,
             translucent: false,
             checksum: OnceLock::new(),
+            groups: OnceLock::new(),
         }
     }
 }

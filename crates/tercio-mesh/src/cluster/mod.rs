@@ -6,7 +6,8 @@
 //!
 //! The modules in the order of the work: [`partition`] is the entry point, [`crate::blocks`] bring neighbouring
 //! triangles together, `runs` or `grow` (with the `rim` of the open cluster) splits a block into clusters, `gather`
-//! writes their memory (`layout` defines it), `bounds` computes each cluster's box and cone. [`cone`] holds the
+//! writes their memory (`layout` defines it), `bounds` computes each cluster's box and cone, with which
+//! `farthest` measures the mesh. [`cone`] holds the
 //! culling tests that a renderer makes with them. A mesh may be a `part` of a model that several processes hold; `transfer`
 //! writes clusters of a part as bytes and makes a mesh of those from several parts, after `check` has verified what a
 //! renderer relies on.
@@ -16,6 +17,7 @@ mod buffer;
 pub(crate) mod check;
 mod clustered;
 mod cone;
+mod farthest;
 mod gather;
 mod grow;
 mod head;

@@ -1,5 +1,7 @@
 //! Shuffling for tests: a picture must not depend on how a mesh was split into clusters.
 
+use std::sync::OnceLock;
+
 use bytemuck::Zeroable;
 
 use super::layout::padded;
@@ -19,7 +21,8 @@ pub(super) fn shuffle(mesh: &ClusteredMesh, seed: u64) -> ClusteredMesh {
         starts.push(lines.len() as u32);
     }
     lines.extend([Line::zeroed(); Layout::LINES_BEHIND]);
-    ClusteredMesh { clusters: heads.into(), starts: starts.into(), lines: lines.into(), ..mesh.clone() }
+    let (clusters, starts, lines) = (heads.into(), starts.into(), lines.into());
+    ClusteredMesh { clusters, starts, lines, groups: OnceLock::new(), ..mesh.clone() }
 }
 
 /// Appends the stretch of a cluster with its triangles in another order.

@@ -1,0 +1,111 @@
+//! How far a mesh reaches in a direction.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Cluster, ClusteredMesh};
+
+/// Clusters of a group. Neighbours in the order of the mesh are near each other, so that the box of a group is small.
+const GROUP: usize = 64;
+/// Groups that one thread looks at, at least.
+const GROUPS_OF_THREAD: usize = 1 << 12;
+
+/// A box: its lower and its upper corner.
+pub(crate) type Corners = [[f32; 3]; 2];
+
+impl ClusteredMesh {
+    /// The largest `direction . p` of all vertices `p`, in the coordinates of the positions (relative to `origin`, in units of
+    /// 2^`exponent`); minus infinity if there are none. The same however the mesh is split into clusters.
+    pub fn farthest(&self, direction: DVec3) -> f64 {
+        let d = direction.to_array();
+        // All sums run in the same order, so that no vertex is outside its box after rounding.
+        let of_box = |[min, max]: Corners| {
+            let far = |k: usize| d[k] * f64::from(if d[k] < 0.0 { min[k] } else { max[k] });
+            far(0) + far(1) + far(2)
+        };
+        let of_cluster = |number: usize| {
+            let [x, y, z] = self.cluster(number).positions();
+            (0..x.len()).fold(f64::NEG_INFINITY, |best, i| {
+                let p = [x[i], y[i], z[i]].map(f64::from);
+                best.max(d[0] * p[0] + d[1] * p[1] + d[2] * p[2])
+            })
+        };
+        let clusters = self.clusters();
+        let of_group = |group: usize, start: f64| {
+            let first = group * GROUP;
+            let of_this = clusters.iter().enumerate().skip(first).take(GROUP);
+            of_this.fold(start, |best, (number, cluster)| {
+                if of_box(corners(cluster)) > best { best.max(of_cluster(number)) } else { best }
+            })
+        };
+        // Begins with the box that reaches farthest: then few others need a test of what is in them.
+        let groups = || self.groups().par_iter().enumerate().with_min_len(GROUPS_OF_THREAD);
+        let far = groups().map(|(group, &of)| (group, of_box(of))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((first, _)) = far else { return f64::NEG_INFINITY };
+        let nearest_first = (first * GROUP..clusters.len()).take(GROUP);
+        let farthest = nearest_first
+            .max_by(|&a, &b| of_box(corners(&clusters[a])).total_cmp(&of_box(corners(&clusters[b]))));
+        let start = of_group(first, farthest.map_or(f64::NEG_INFINITY, of_cluster));
+        let look = |best: f64, (group, &of): (usize, &Corners)| {
+            if of_box(of) > best { of_group(group, best) } else { best }
+        };
+        groups().fold(|| start, look).reduce(|| start, f64::max)
+    }
+
+    /// The boxes of [`GROUP`] clusters each.
+    fn groups(&self) -> &[Corners] {
+        self.groups.get_or_init(|| {
+            let union = |a: Corners, b: Corners| {
+                let [mut min, mut max] = a;
+                for k in 0..3 {
+                    (min[k], max[k]) = (min[k].min(b[0][k]), max[k].max(b[1][k]));
+                }
+                [min, max]
+            };
+            let of = |group: &[Cluster]| {
+                let none = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+                group.iter().map(corners).fold(none, union)
+            };
+            self.clusters().par_chunks(GROUP).with_min_len(GROUP).map(of).collect()
+        })
+    }
+}
+
+fn corners(cluster: &Cluster) -> Corners {
+    [cluster.min, cluster.max]
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::builtin;
+    use crate::cluster::shuffle::shuffle;
+    use crate::cluster::{PartitionOptions, partition};
+
+    fn of_all_vertices(mesh: &ClusteredMesh, d: DVec3) -> f64 {
+        let positions =
+            mesh.views().flat_map(|c| (0..c.vertices()).map(move |v| c.position(v)).collect::<Vec<_>>());
+        positions
+            .map(|p| d.x * f64::from(p[0]) + d.y * f64::from(p[1]) + d.z * f64::from(p[2]))
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn the_farthest_of_all_vertices(direction: [i8; 3]) {
+            let mesh = partition(builtin::terrain(40_000, 1), &PartitionOptions::default());
+            assert!(mesh.clusters().len() > 3 * GROUP);
+            let d = DVec3::from_array(direction.map(f64::from)) / 7.0;
+            prop_assert_eq!(mesh.farthest(d), of_all_vertices(&mesh, d));
+            // Shuffled clusters are in other groups, also if those of the mesh were asked for before.
+            prop_assert_eq!(shuffle(&mesh, 7).farthest(d), mesh.farthest(d));
+        }
+    }
+
+    #[test]
+    fn nothing_reaches_nowhere() {
+        assert_eq!(ClusteredMesh::default().farthest(DVec3::X), f64::NEG_INFINITY);
+    }
+}
