@@ -17,17 +17,20 @@ fn malformed(reason: impl ToString) -> ImageError {
 }
 
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
-    let opaque = picture.is_opaque();
     let size = [picture.width, picture.height];
     let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
     if u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS_IN_MEMORY {
         // The same bytes as from a picture that is drawn in bands.
-        return write_parts(out, size, opaque, is_16, |write| {
+        return write_parts(out, size, picture.is_opaque(), is_16, |write| {
             parts(picture).try_for_each(|part| write(&part))
         });
     }
+    let (samples, opaque) = match opaque_samples(picture) {
+        Some(samples) => (samples, true),
+        None => (samples(picture, false), false),
+    };
     let mut writer = header(out, size, opaque, is_16)?;
-    writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
+    writer.write_image_data(&samples).map_err(write_error)?;
     writer.finish().map_err(write_error)
 }
 
@@ -124,19 +127,24 @@ pub(super) fn write_error(error: png::EncodingError) -> ImageError {
     }
 }
 
+/// [`samples`] of a picture that is opaque, without alpha; `None` if it is not. Reads a picture of 8 bits only once.
+pub(super) fn opaque_samples(picture: &Picture) -> Option<Vec<u8>> {
+    match &picture.pixels {
+        Pixels::Eight(p) => {
+            let (samples, alpha) = without_alpha(p, picture.width as usize);
+            (alpha == u8::MAX).then_some(samples)
+        }
+        Pixels::Sixteen(_) => picture.is_opaque().then(|| samples(picture, true)),
+    }
+}
+
 /// Samples in the layout of PNG and PPM: 16 bits with the high byte first, without alpha if `opaque`.
 pub(super) fn samples(picture: &Picture, opaque: bool) -> Vec<u8> {
     let channels = if opaque { 3 } else { 4 };
     let row = picture.width as usize;
     match &picture.pixels {
         Pixels::Eight(p) if !opaque => p.as_flattened().to_vec(),
-        Pixels::Eight(p) => {
-            let mut bytes = vec![0; p.len() * 3];
-            bytes.par_chunks_mut(row * 3).zip(p.par_chunks(row)).for_each(|(bytes, p)| {
-                bytes.as_chunks_mut::<3>().0.iter_mut().zip(p).for_each(|(b, p)| *b = [p[0], p[1], p[2]]);
-            });
-            bytes
-        }
+        Pixels::Eight(p) => without_alpha(p, row).0,
         Pixels::Sixteen(p) => {
             let mut bytes = vec![0; p.len() * channels * 2];
             bytes.par_chunks_mut(row * channels * 2).zip(p.par_chunks(row)).for_each(|(bytes, p)| {
@@ -146,6 +154,35 @@ pub(super) fn samples(picture: &Picture, opaque: bool) -> Vec<u8> {
             bytes
         }
     }
+}
+
+/// The colours of pixels in rows of a length, and the bits that all their alphas have.
+fn without_alpha(pixels: &[[u8; 4]], row: usize) -> (Vec<u8>, u8) {
+    let mut bytes = vec![0; pixels.len() * 3];
+    let rows = bytes.par_chunks_mut(row * 3).zip(pixels.par_chunks(row));
+    let alpha = rows.map(|(bytes, pixels)| drop_alpha(pixels, bytes)).reduce(|| u8::MAX, |a, b| a & b);
+    (bytes, alpha)
+}
+
+/// Copies the colours of pixels, and returns the bits that all their alphas have.
+fn drop_alpha(pixels: &[[u8; 4]], bytes: &mut [u8]) -> u8 {
+    // Four pixels are three words.
+    let (fours, rest) = pixels.as_chunks::<4>();
+    let (words, rest_of_bytes) = bytes.as_chunks_mut::<12>();
+    let mut all = u32::MAX;
+    for (words, four) in words.iter_mut().zip(fours) {
+        let [a, b, c, d] = four.map(u32::from_le_bytes);
+        all &= a & b & c & d;
+        let three = [a & 0xff_ffff | b << 24, b >> 8 & 0xffff | c << 16, c >> 16 & 0xff | d << 8];
+        for (to, word) in words.as_chunks_mut::<4>().0.iter_mut().zip(three) {
+            *to = word.to_le_bytes();
+        }
+    }
+    for (to, pixel) in rest_of_bytes.as_chunks_mut::<3>().0.iter_mut().zip(rest) {
+        *to = [pixel[0], pixel[1], pixel[2]];
+        all &= u32::from_le_bytes(*pixel);
+    }
+    all.to_le_bytes()[3]
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {

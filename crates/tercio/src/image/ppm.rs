@@ -2,19 +2,19 @@
 
 use std::io::Write;
 
-use super::png::{rgba, samples};
+use super::png::{opaque_samples, rgba};
 use super::{ImageError, Picture, PictureFormat, Pixels};
 
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
-    if !picture.is_opaque() {
+    let Some(samples) = opaque_samples(picture) else {
         return Err(ImageError::CannotHold { format: PictureFormat::Ppm, what: "transparency" });
-    }
+    };
     let largest = match picture.pixels {
         Pixels::Eight(_) => u16::from(u8::MAX),
         Pixels::Sixteen(_) => u16::MAX,
     };
     write!(out, "P6\n{} {}\n{largest}\n", picture.width, picture.height)?;
-    Ok(out.write_all(&samples(picture, true))?)
+    Ok(out.write_all(&samples)?)
 }
 
 fn malformed(reason: &str) -> ImageError {

@@ -52,6 +52,21 @@ proptest! {
     }
 
     #[test]
+    fn one_translucent_pixel_keeps_alpha(
+        width in 1u32..20, height in 1u32..10, sixteen: bool, at in 0.0..1.0, alpha in 0u16..255,
+    ) {
+        let mut original = picture(width, height, sixteen, true, 3);
+        let at = (f64::from(width * height) * at) as usize;
+        match &mut original.pixels {
+            Pixels::Eight(p) => p.to_mut()[at][3] = alpha as u8,
+            Pixels::Sixteen(p) => p.to_mut()[at][3] = alpha,
+        }
+        let read = Picture::from_bytes(&written(&original, PictureFormat::Png)).unwrap();
+        prop_assert_eq!(&read, &original);
+        prop_assert!(original.write(PictureFormat::Ppm, &mut Vec::new()).is_err());
+    }
+
+    #[test]
     fn damaged_pictures_give_errors_not_panics(
         format in prop::sample::select(&PictureFormat::ALL[..]), cut in 0.0..1.0, at in 0.0..1.0, value: u8,
     ) {
