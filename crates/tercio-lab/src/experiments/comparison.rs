@@ -235,8 +235,7 @@ impl Comparison {
             ("Read from the scan, not computed", numbers(self.read)),
         ];
         let said = parts.iter().filter(|part| !part.1.is_empty());
-        let mut said: Vec<_> = said.map(|(head, part)| format!("{head}: {}.", part.join("; "))).collect();
-        said.extend((!self.fits.is_empty()).then(|| format!("{}.", unstated::REFERENCE)));
+        let said: Vec<_> = said.map(|(head, part)| format!("{head}: {}.", part.join("; "))).collect();
         said.join(" ")
     }
 

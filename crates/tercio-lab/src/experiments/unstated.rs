@@ -7,9 +7,9 @@ use super::{Cell, Outcome};
 pub(super) const INTERVALS: &str = "intervals";
 /// The heading of the joined table.
 pub(super) const HEADING: &str = "Inputs that are not stated";
-/// How a verdict refers to it.
+/// How the report of an experiment refers to it.
 pub(super) const REFERENCE: &str =
-    "What other figures ask of the same inputs is joined under 'Inputs that are not stated'";
+    "What other figures ask of the same inputs is joined under 'Inputs that are not stated'.";
 
 /// An input, and what is printed that depends on it.
 #[derive(Debug)]
@@ -116,24 +116,25 @@ impl Input {
         if !of_all.is_empty() {
             return Some(format!("{name}: {} gives all {numbers} numbers.", in_words(&of_all)));
         }
-        // The most intervals meet where one of them begins.
+        // The most intervals meet where one of them begins; there may be several such places.
         let holds = |at: f64, list: &Vec<[f64; 2]>| list.iter().any(|i| (i[0]..=i[1]).contains(&at));
         let given = |at: f64| all.iter().filter(|list| holds(at, list)).collect::<Vec<_>>();
-        let begins = all.iter().flatten().map(|interval| interval[0]);
-        let most = begins.map(|at| (at, given(at))).max_by_key(|(_, given)| given.len());
+        let begins: Vec<_> = all.iter().flatten().map(|interval| interval[0]).collect();
+        let most = begins.iter().map(|&at| given(at).len()).max().unwrap_or(0);
+        let meeting = |at: f64| {
+            let meet = given(at).iter().fold(vec![[f64::MIN, f64::MAX]], |known, list| common(&known, list));
+            meet.into_iter().filter(|i| (i[0]..=i[1]).contains(&at)).collect()
+        };
+        let places = union(begins.into_iter().filter(|&at| given(at).len() == most).map(meeting));
         let none = all.iter().filter(|list| list.is_empty()).count();
         let none = if none == 0 { String::new() } else { format!("; {none} of them is given by none") };
-        Some(match most {
-            Some((at, given)) => {
-                let meet = given.iter().fold(vec![[f64::MIN, f64::MAX]], |known, list| common(&known, list));
-                let meet: Vec<_> = meet.into_iter().filter(|i| (i[0]..=i[1]).contains(&at)).collect();
-                format!(
-                    "{name}: no value gives all {numbers} numbers{none}; the most that one gives are {}, with {}.",
-                    given.len(),
-                    in_words(&meet)
-                )
-            }
-            None => format!("{name}: no value gives any of {numbers} numbers."),
+        Some(if most == 0 {
+            format!("{name}: no value gives any of {numbers} numbers.")
+        } else {
+            format!(
+                "{name}: no value gives all {numbers} numbers{none}; the most that one gives are {most}, with {}.",
+                in_words(&places)
+            )
         })
     }
 }
@@ -162,10 +163,48 @@ mod tests {
             some.unwrap(),
             "x: no value gives all 3 numbers; the most that one gives are 2, with 2 to 3."
         );
+        // Every place where the most meet is said, and none where fewer do.
+        let some =
+            of(&[&[&[[1.0, 3.0], [20.0, 21.0]]], &[&[[2.0, 4.0], [8.0, 9.0]]], &[&[[8.5, 9.5]]]]).unwrap();
+        assert!(some.ends_with("the most that one gives are 2, with 2 to 3 or 8.5 to 9."), "{some}");
         // A reading is enough.
         let some = of(&[&[&[[1.0, 2.0]], &[[5.0, 6.0]]], &[&[[5.5, 7.0]]]]);
         assert_eq!(some.unwrap(), "x: 5.5 to 6 gives all 2 numbers.");
         let some = of(&[&[&[]], &[&[[5.5, 7.0]]]]).unwrap();
         assert!(some.contains("1 of them is given by none; the most that one gives are 1"), "{some}");
+        assert_eq!(of(&[&[&[]], &[&[]]]).unwrap(), "x: no value gives any of 2 numbers.");
+    }
+
+    proptest::proptest! {
+        /// Beside counting at every half of a whole number: intervals begin and end at whole ones.
+        #[test]
+        fn the_most_numbers_are_given_where_counting_finds_them(
+            lists in proptest::collection::vec(proptest::collection::vec((0u8..30, 0u8..6), 0..4), 2..6),
+        ) {
+            let interval = |&(from, length): &(u8, u8)| [f64::from(from), f64::from(from + length)];
+            let lists: Vec<Vec<_>> = lists.iter().map(|list| list.iter().map(interval).collect()).collect();
+            let counted = |half: u8| {
+                let at = f64::from(half) / 2.0;
+                let holds = |list: &&Vec<[f64; 2]>| list.iter().any(|i| i[0] <= at && at <= i[1]);
+                (lists.iter().filter(holds).count(), at)
+            };
+            let most = (0..80).map(counted).map(|c| c.0).max().unwrap();
+            let prints = lists.iter().map(|list| Print {
+                place: String::new(),
+                readings: vec![Reading { number: String::new(), intervals: list.clone() }],
+            });
+            let text = Input { name: "x".into(), prints: prints.collect() }.conclusion().unwrap();
+            let said = text.trim_end_matches('.').trim_end_matches(&format!(" gives all {most} numbers")).to_owned();
+            let said = said.rsplit_once("with ").or(said.rsplit_once("x: ")).unwrap().1;
+            let ends = |part: &str| {
+                let (from, to) = part.split_once(" to ").unwrap_or((part, part));
+                Some([from.parse::<f64>().ok()?, to.parse().ok()?])
+            };
+            let said: Vec<_> = said.split(" or ").filter_map(ends).collect();
+            for (count, at) in (0..80).map(counted) {
+                let is_said = said.iter().any(|i| i[0] <= at && at <= i[1]);
+                proptest::prop_assert_eq!(is_said, most > 0 && count == most, "{}: {}", at, text);
+            }
+        }
     }
 }

@@ -237,7 +237,9 @@ fn unstated_inputs(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
     }
     to.heading(3, unstated::HEADING, Some(&format!("unstated-{}", of.number())));
     to.paragraph(
-        "Each was swept, figure by figure: in these intervals ours is what is printed. A scene that is lost has one value in all          figures that draw it from the same view; pictures with another number of visible polygons are other views.          Readings of one print are alternatives.",
+        "Each was swept, figure by figure: in these intervals ours is what is printed. A scene that is lost has one value in all \
+         figures that draw it from the same view; pictures with another number of visible polygons are other views. \
+         Readings of one print are alternatives.",
     );
     let rows: Vec<Vec<Text>> = inputs
         .iter()
@@ -294,6 +296,9 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
         Err(error) => return to.labelled("failed", &error.to_string()),
     };
     to.labelled(findings.verdict.name(), &findings.verdict.text());
+    if findings.tables.iter().any(|table| table.name == unstated::INTERVALS) {
+        to.paragraph(unstated::REFERENCE);
+    }
     for remark in &findings.remarks {
         to.paragraph(remark);
     }

@@ -20,6 +20,7 @@ struct Picture {
     textured: bool,
     /// Pictures a second, as printed.
     rate: &'static str,
+    /// Its input that is not stated. Another number of visible polygons is another view, in which columns are clumped otherwise.
     clumping: &'static str,
 }
 
@@ -35,14 +36,21 @@ const fn picture(
 }
 
 const PICTURES: [Picture; 5] = [
-    picture("Beethoven, figure 7-1", [5_030, 3_700], "224", false, "10", "deviation of Beethoven's columns"),
+    picture(
+        "Beethoven, figure 7-1",
+        [5_030, 3_700],
+        "224",
+        false,
+        "10",
+        "deviation of Beethoven's columns, figure 7-1",
+    ),
     picture(
         "crocodile, figure 7-2",
         [34_404, 10_600],
         "364",
         false,
         "6",
-        "deviation of the crocodile's columns",
+        "deviation of the crocodile's columns, figure 7-2",
     ),
     picture(
         "textured crocodile, figure 7-3",
@@ -50,9 +58,16 @@ const PICTURES: [Picture; 5] = [
         "370",
         true,
         "5",
-        "deviation of the textured crocodile's columns",
+        "deviation of the textured crocodile's columns, figure 7-3",
     ),
-    picture("teapot, figure 7-4", [9_408, 4_100], "260", false, "10", "deviation of the teapot's columns"),
+    picture(
+        "teapot, figure 7-4",
+        [9_408, 4_100],
+        "260",
+        false,
+        "10",
+        "deviation of the teapot's columns, figure 7-4",
+    ),
     picture(
         "textured crocodile, section 8.2",
         [34_404, 10_400],
