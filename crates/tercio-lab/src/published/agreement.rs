@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::tolerance::last_digit;
-use super::{Basis, Check, ToleranceSource};
+use super::{Basis, Check, Side, ToleranceSource};
 use crate::models::registry::Value;
 
 /// How a computed number relates to the document.
@@ -14,7 +14,7 @@ pub enum Agreement {
     AgreesWithPrint,
     /// The document prints no number here; ours is compared with an independent computation.
     NotPrinted,
-    /// It is not the printed number; the row says why, in our reading.
+    /// It is not the printed number, or only a wrong equation gives that; the row says why, in our reading.
     ContradictsPrint,
     /// It is a reading of the damaged scan, not a computation.
     Read,
@@ -41,7 +41,7 @@ impl Agreement {
 
 impl Check {
     /// How the computed number relates to the print. Nothing but the numbers decides, except whether a value is a
-    /// reading.
+    /// reading, or an equation wrong.
     pub fn agreement(&self) -> Agreement {
         let number = &self.number;
         let Ok(ours) = &self.ours else { return Agreement::Unexplained };
@@ -52,14 +52,33 @@ impl Check {
             return Agreement::Read;
         }
         let Some(print) = self.print() else { return Agreement::NotPrinted };
-        if ours.agrees_with(print, number.tolerance) {
-            Agreement::AgreesWithPrint
+        if self.gives_print() {
+            match (number.wrong_equation, &number.why) {
+                (false, _) => Agreement::AgreesWithPrint,
+                (true, Some(_)) => Agreement::ContradictsPrint,
+                (true, None) => Agreement::Unexplained,
+            }
         } else if number.why.is_some() && (number.tolerance_from.is_some() || is_beyond_rounding(ours, print))
         {
             Agreement::ContradictsPrint
         } else {
             Agreement::Unexplained
         }
+    }
+
+    /// Whether ours is what is printed, on the side that its words name: within the tolerance, or anywhere if it is a bound.
+    /// False if nothing is printed.
+    pub fn gives_print(&self) -> bool {
+        let (Ok(ours), Some(print)) = (&self.ours, self.print()) else { return false };
+        let on_side = match (self.number.side, ours.as_number(), print.as_number()) {
+            (None, ..) => true,
+            (Some(Side::Below), Some(ours), Some(print)) => ours <= print,
+            (Some(Side::Above), Some(ours), Some(print)) => ours >= print,
+            _ => false,
+        };
+        let is_bound =
+            self.number.tolerance_from == Some(ToleranceSource::Bound) && self.number.side.is_some();
+        on_side && (is_bound || ours.agrees_with(print, self.number.tolerance))
     }
 
     /// The printed number, or what the printed equation gives.
@@ -136,7 +155,14 @@ impl Check {
     /// The tolerance, or the error of a reading, and where it comes from, in words.
     pub fn tolerance_text(&self) -> String {
         let source = self.tolerance_source().map_or("not explained", ToleranceSource::text);
-        let size = self.reading_error().unwrap_or_else(|| self.number.tolerance.to_string());
+        let size =
+            self.reading_error().unwrap_or_else(|| match (self.tolerance_source(), self.number.side) {
+                (Some(ToleranceSource::Bound), Some(Side::Below)) => "not above".into(),
+                (Some(ToleranceSource::Bound), Some(Side::Above)) => "not below".into(),
+                (_, Some(Side::Below)) => format!("{} below", self.number.tolerance),
+                (_, Some(Side::Above)) => format!("{} above", self.number.tolerance),
+                (_, None) => self.number.tolerance.to_string(),
+            });
         format!("{size} ({source})")
     }
 }
@@ -173,11 +199,13 @@ mod tests {
         let ids = |class| of(class).iter().map(|c| c.number.id.clone()).collect::<Vec<_>>();
         assert!(ids(Agreement::Unexplained).is_empty(), "{:?}", ids(Agreement::Unexplained));
         let sizes = Agreement::ALL.map(|class| of(class).len());
-        assert_eq!(sizes, [377, 132, 31, 10, 0]);
+        assert_eq!(sizes, [376, 132, 33, 10, 0]);
         assert_eq!(sizes.iter().sum::<usize>(), checks.len());
         for check in &checks {
             let contradicted = check.agreement() == Agreement::ContradictsPrint;
-            let marked = check.number.standing == Standing::Contradicted || check.number.as_printed.is_some();
+            let number = &check.number;
+            let of_wrong = number.wrong_equation && number.printed.is_some();
+            let marked = number.standing == Standing::Contradicted || number.as_printed.is_some() || of_wrong;
             assert_eq!(contradicted, marked, "{}", check.number.id);
         }
     }
@@ -219,17 +247,29 @@ mod tests {
     }
 
     #[test]
-    fn a_print_that_only_an_equation_as_printed_gives_has_a_row_of_the_corrected_one() {
+    fn a_wrong_equation_makes_no_print_agree() {
         let all = check_all().unwrap();
-        let of_printed = all.iter().filter(|c| c.number.is_of_printed_equation());
-        let mut seen = 0;
-        for of in of_printed.filter(|c| c.agreement() == Agreement::AgreesWithPrint) {
-            let has_other = |c: &&Check| c.number.same_print_as.as_ref() == Some(&of.number.id);
-            let other = all.iter().find(has_other).unwrap_or_else(|| panic!("{}", of.number.id));
-            assert!(!other.number.is_of_printed_equation(), "{}", other.number.id);
-            seen += 1;
-        }
-        assert_eq!(seen, 1);
+        let giving: Vec<_> = all.iter().filter(|c| c.number.wrong_equation && c.gives_print()).collect();
+        assert_eq!(giving.iter().map(|c| c.number.id.as_str()).collect::<Vec<_>>(), ["M-fig7-eq11"]);
+        assert_eq!(giving[0].agreement(), Agreement::ContradictsPrint);
+        let without = super::super::Number { why: None, ..row("M-fig7-eq11") };
+        assert_eq!(check(without).agreement(), Agreement::Unexplained);
+        let right = super::super::Number { wrong_equation: false, ..row("M-fig7-eq11") };
+        assert_eq!(check(right).agreement(), Agreement::AgreesWithPrint);
+    }
+
+    #[test]
+    fn words_that_name_a_side_are_taken_at_their_word() {
+        let printing = |id, print| {
+            let number = super::super::Number { printed: Some(Value::Number(print)), ..row(id) };
+            check(number).gives_print()
+        };
+        // 28.63 is almost 30, and neither almost 28 nor almost 31; 115 is over 100, and over 114, but not over 116.
+        assert_eq!([30.0, 28.0, 31.0].map(|print| printing("E5.9fig", print)), [true, false, false]);
+        assert_eq!([100.0, 114.0, 116.0].map(|print| printing("H4-100M", print)), [true, true, false]);
+        assert_eq!([0.078, 0.072].map(|print| printing("M-dev", print)), [true, false]);
+        assert_eq!(check(row("E5.9fig")).tolerance_text(), "1.5 below (stated in words)");
+        assert_eq!(check(row("H4-100M")).tolerance_text(), "not below (stated as a bound)");
     }
 
     #[test]

@@ -16,5 +16,5 @@ mod tolerance;
 
 pub use agreement::{Agreement, summary};
 pub use check::{Check, check, check_all};
-pub use table::{Basis, Number, Standing, TableError, numbers};
+pub use table::{Basis, Number, Side, Standing, TableError, numbers};
 pub use tolerance::ToleranceSource;

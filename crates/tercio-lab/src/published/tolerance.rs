@@ -17,9 +17,10 @@ pub enum ToleranceSource {
     CutOff,
     /// The last digit of the print is neither rounded nor cut off: it is off by one.
     LastDigitOff,
-    /// The document says it in words: about, nearly, over.
+    /// The document says it in words: about, nearly, a factor of. They allow no more than a twentieth of the number, less where the
+    /// list of all numbers has less, the same words the same, and one side where they name one.
     Words,
-    /// The document states a bound, not the value.
+    /// The document states a bound, not the value: over, no more than. There is no tolerance.
     Bound,
     /// An argument of the formula is itself a rounded print.
     RoundedInput,
@@ -100,6 +101,22 @@ mod tests {
         let digit = |n: f64| last_digit(&Value::Number(n)).unwrap();
         assert!((digit(27.36) - 0.01).abs() < 1e-12);
         assert_eq!([60_123.0, 910.0, 30.0, 1_170_000.0].map(digit), [1.0, 1.0, 1.0, 10_000.0]);
+    }
+
+    #[test]
+    fn words_allow_a_twentieth_and_the_same_words_the_same() {
+        let all = numbers().unwrap();
+        let of_words = |n: &&Number| n.tolerance_from == Some(ToleranceSource::Words);
+        for number in all.iter().filter(of_words) {
+            let print = number.printed.as_ref().and_then(Value::as_number).unwrap();
+            assert!(number.tolerance <= 0.05 * print * (1.0 + 1e-9), "{}: {}", number.id, number.tolerance);
+        }
+        let factors = all.iter().filter(of_words).filter(|n| n.printed == Some(Value::Number(2.0)));
+        let factors: Vec<_> = factors.map(|n| n.tolerance).collect();
+        assert_eq!(factors, [0.1; 4], "a factor of 2");
+        let bounds = all.iter().filter(|n| n.tolerance_from == Some(ToleranceSource::Bound));
+        let has_side: Vec<_> = bounds.map(|n| n.side.is_some()).collect();
+        assert_eq!(has_side, [true; 2]);
     }
 
     #[test]

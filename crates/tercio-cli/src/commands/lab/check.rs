@@ -15,8 +15,8 @@ use crate::output::write_text;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Each number is of one of four classes: it agrees with print; nothing is printed, and it agrees with an independent
-computation; it contradicts print, with our reading of why; or it is read from the scan and not computed. A number that
-is none of these is unexplained. Tolerances say where they come from.
+computation; it contradicts print, or gives it only by a wrong equation, with our reading of why; or it is read from the
+scan and not computed. A number that is none of these is unexplained. Tolerances say where they come from.
 
 Examples:
   tercio lab check
@@ -71,6 +71,8 @@ fn json(checks: &[Checked]) -> Json {
             "tolerance": check.reading_error().is_none().then_some(number.tolerance),
             "reading_error": check.reading_error(),
             "tolerance_from": check.tolerance_source(),
+            "side": number.side,
+            "wrong_equation": number.wrong_equation,
             "why": number.why,
             "standing": number.standing,
             "by": number.model,

@@ -9,7 +9,7 @@ impl Comparison {
     /// Compares the published numbers that have one of `names`, in which `*` stands for a part between dashes and `#` for
     /// digits (`H2.15-*-32-#`): printed ones with the print, ours counting as the document's formula unless the row is counted
     /// or simulated; those without a print are counted. A print is compared once, however many rows have it: it agrees if one
-    /// of them gives it, and the others are other forms. A wrong equation as it is printed does not make a print agree.
+    /// of them gives it, and the others are other forms. A wrong equation does not make a print agree.
     ///
     /// # Errors
     /// The table has a mistake; a name that no number has.
@@ -34,21 +34,13 @@ impl Comparison {
         }
         for (_, checks) in prints {
             let gives = |c: &&Check| c.agreement() == Agreement::AgreesWithPrint;
-            let agreeing = checks.iter().filter(gives).find(|c| !c.number.is_of_printed_equation());
-            let against =
-                checks.iter().filter(|c| c.agreement() == Agreement::ContradictsPrint).map(contradiction);
+            let agreeing = checks.iter().find(gives);
+            let against = checks.iter().filter(|c| !gives(c)).map(contradiction);
             if let Some(check) = agreeing {
                 comparison.other_forms.extend(against);
                 comparison.push_check(check);
             } else {
-                let wrong = checks.iter().filter(gives).map(|c| {
-                    format!(
-                        "{}: the printed {} follows from the equation only as it is printed",
-                        c.number.id,
-                        c.print_text()
-                    )
-                });
-                comparison.contradicted.push(against.chain(wrong).collect::<Vec<_>>().join(" / "));
+                comparison.contradicted.push(against.collect::<Vec<_>>().join(" / "));
             }
         }
         Ok(comparison)
@@ -61,8 +53,11 @@ impl Comparison {
         let evidence = if counted { Evidence::Independent } else { Evidence::Formula };
         // Lists agree as a whole, and stand for one number.
         let of = |value: Option<&Value>| value.and_then(Value::as_number).unwrap_or(0.0);
-        let numbers = [of(check.ours.as_ref().ok()), of(check.print()), number.tolerance];
         let from = check.tolerance_source().unwrap_or(ToleranceSource::Exact);
+        let ours = of(check.ours.as_ref().ok());
+        // Ours is as far from a bound that it keeps as it may be, which is no deviation.
+        let print = if from == ToleranceSource::Bound { ours } else { of(check.print()) };
+        let numbers = [ours, print, number.tolerance];
         self.push(number.id.clone(), numbers, from, evidence);
     }
 
@@ -113,5 +108,6 @@ fn contradiction(check: &Check) -> String {
         None => value.to_string(),
     });
     let why = number.why.as_deref().unwrap_or_default().trim_end_matches('.');
-    format!("{}: printed {}{unit}, ours {ours}{unit} ({why})", number.id, check.print_text())
+    let by = if check.gives_print() { ", but by a wrong equation" } else { "" };
+    format!("{}: printed {}{unit}, ours {ours}{unit}{by} ({why})", number.id, check.print_text())
 }

@@ -120,6 +120,8 @@ fn organisations() -> Result<Findings, ExperimentError> {
     // The document's curves are lost but for the places where they cross.
     let crossings = [facts.printed("E4.11")?, facts.printed("E4.12-as-computed")?];
     let plot = plot.with(Series::printed_places("crossings in print", crossings));
+    let correction =
+        "The raster terms are f A R, not f A R / o: only so do the printed 60,123 and 75 % come out.";
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
@@ -130,11 +132,11 @@ fn organisations() -> Result<Findings, ExperimentError> {
             "The asymmetry factor of table 4.3, 4.4, is 16.9 by the definition of table 4.1 (figure 4-1: 394 over \
              23.3). With it, sort-middle beats sort-first by the criterion of equation 4.10."
                 .into(),
-            "The raster terms are f A R, not f A R / o: only so do the printed 60,123 and 75 % come out. The factor of about 2 \
-             between sort-first and sort-middle then does not: it is 1.64."
+            "The factor of about 2 between sort-first and sort-middle is that of equations 4.9 and 4.10, 32.9 over 16.7, in which \
+             there are no raster terms: 1.97. Of whole times it is 1.64, and 1.85 by equation 4.8 as it is printed."
                 .into(),
         ],
-        verdict: Comparison::of_published(&OF_FIGURE_4_3)?.verdict(),
+        verdict: Comparison::verdict_of_published(&OF_FIGURE_4_3, correction)?,
     })
 }
 
@@ -248,7 +250,7 @@ fn least_at(cost: &dyn Fn(f64) -> f64) -> f64 {
 }
 
 /// Names of the numbers that the figures are made of.
-const OF_FIGURE_4_3: [&str; 14] = [
+const OF_FIGURE_4_3: [&str; 15] = [
     "E4.1-opt",
     "E4.10-fo",
     "E4.11",
@@ -257,6 +259,7 @@ const OF_FIGURE_4_3: [&str; 14] = [
     "E4.12-as-computed",
     "E4.12-f4.4",
     "E4.fo",
+    "E4.sf-sm-4.9",
     "E4.sf-sm",
     "E4.sf-sm-corrected",
     "E4.QC",

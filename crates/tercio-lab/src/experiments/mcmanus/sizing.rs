@@ -266,7 +266,7 @@ fn slopes() -> Result<Findings, ExperimentError> {
                 optimum::misread_optimal_side(area, PER_SECOND)?.get()
             ),
             "Equation 11 has five damaged or wrong coefficients, and is the derivative of another overlap than equation 6 \
-             (i^2 + 1 for i^2 + i). What agrees with print is that equation, not a corrected one: with the true derivative the optimum \
+             (i^2 + 1 for i^2 + i). The printed optimum comes from that equation alone: with the true derivative the optimum \
              has a closed form, A^3 = (sqrt N - 1) 1.3673 / 0.000871, and is not the printed one."
                 .into(),
         ],
