@@ -94,14 +94,17 @@ pub fn predict(
     let setting = Setting { region: plan.region, assignment: plan.assignment, costs: work.costs, ..setting };
     let sorting = simulate(boxes, plan.organisation, &setting)?;
     let ranks = plan.ranks as f64;
-    let parts = match plan.organisation {
-        Organisation::SortLast => 1.0,
-        Organisation::SortTwice(group) => group.min(plan.ranks) as f64,
-        Organisation::SortFirst | Organisation::SortMiddle => ranks,
+    let group = match plan.organisation {
+        Organisation::SortLast => 1,
+        Organisation::SortTwice(group) => group.clamp(1, plan.ranks),
+        Organisation::SortFirst | Organisation::SortMiddle => plan.ranks,
     };
+    // Each group has a whole picture among its ranks, a smaller last one among fewer.
+    let last = plan.ranks % group;
+    let parts = if last == 0 { group } else { last } as f64;
     // If whole pictures are composited, each rank shades what is visible in its own: between what is visible in the end
     // and everything covered. The fewer the groups, the less a group shades beyond what is visible in the end.
-    let groups = ranks / parts;
+    let groups = plan.ranks.div_ceil(group) as f64;
     let (shown, covered) = (counters.pixels_visible as f64, counters.samples_covered as f64);
     let shaded = if shown > 0.0 { (shown * groups).min(covered.max(shown)) / shown } else { 0.0 };
     let shading = work.shading * shaded / ranks * sorting.raster.imbalance();
@@ -111,15 +114,15 @@ pub fn predict(
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::machines::builtin;
     use crate::simulators::sorting::Assignment;
     use crate::workloads::{BoundingBox, PixelBox};
 
-    #[test]
-    fn one_rank_costs_what_one_thread_costs() {
-        let machine = builtin("cluster-64").unwrap().unwrap();
-        let c = Counters {
+    fn counters() -> Counters {
+        Counters {
             clusters: 100,
             clusters_drawn: 90,
             vertices: 5000,
@@ -128,25 +131,47 @@ mod tests {
             steps: 5000,
             shadings: 300,
             pixels_visible: 4000,
-            samples_covered: 8000,
+            // More than 40 groups can see: each shades as much as if it were alone.
+            samples_covered: 1 << 20,
             pixels: 1 << 16,
             ..Counters::default()
-        };
+        }
+    }
+
+    fn predicted(organisation: Organisation, ranks: usize) -> SimulatedFrame {
+        let machine = builtin("cluster-64").unwrap().unwrap();
         let of = |k: i32| BoundingBox {
             visible: true,
             pixels: PixelBox { x0: k % 250, y0: 9, x1: k % 250 + 3, y1: 12 },
         };
         let boxes = BoxScene { boxes: (0..9000).map(of).collect() };
-        let plan = Plan {
-            organisation: Organisation::SortMiddle,
-            ranks: 1,
-            threads: 1,
-            region: None,
-            assignment: Assignment::Interleaved,
-            topology: None,
-        };
-        let ranks = predict(&machine, &c, &boxes, (256, 256), plan).unwrap().total();
-        let thread = FrameTime::on_one_thread(&machine, &c).total();
+        let assignment = Assignment::Interleaved;
+        let plan = Plan { organisation, ranks, threads: 1, region: None, assignment, topology: None };
+        predict(&machine, &counters(), &boxes, (256, 256), plan).unwrap()
+    }
+
+    #[test]
+    fn one_rank_costs_what_one_thread_costs() {
+        let ranks = predicted(Organisation::SortMiddle, 1).total();
+        let machine = builtin("cluster-64").unwrap().unwrap();
+        let thread = FrameTime::on_one_thread(&machine, &counters()).total();
         assert!((ranks / thread - 1.0).abs() < 1e-6, "{ranks} {thread}");
+    }
+
+    proptest! {
+        /// Counted rank by rank: the busiest one has the largest part of a picture, and every group shades what is visible in it.
+        #[test]
+        fn every_group_has_a_whole_picture(ranks in 1usize..40, group in 1usize..48) {
+            let frame = predicted(Organisation::SortTwice(group), ranks);
+            let of_group = |k: usize| (0..ranks).filter(|rank| rank / group == k).count();
+            let groups: Vec<usize> = (0..ranks).map(of_group).filter(|&members| members > 0).collect();
+            let alone = predicted(Organisation::SortLast, 1);
+            let fixed = builtin("cluster-64").unwrap().unwrap().seconds_or_0(Operation::Frame);
+            let most = groups.iter().map(|&members| (alone.picture - fixed) / members as f64).fold(0.0, f64::max);
+            prop_assert!(((frame.picture - fixed) / most - 1.0).abs() < 1e-9, "{} {most}", frame.picture - fixed);
+            let mean = groups.len() as f64 * alone.shading / ranks as f64;
+            let shading = frame.shading / frame.sorting.raster.imbalance();
+            prop_assert!((shading / mean - 1.0).abs() < 1e-9, "{shading} {mean}");
+        }
     }
 }
