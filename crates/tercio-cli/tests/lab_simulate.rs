@@ -134,6 +134,8 @@ fn mistakes_are_reported() {
     let alone = sorting("good.boxes --processors 17").ok_silently();
     let says = "sort-twice 1 on 17 processors is sort-last: each group is one processor (--group)";
     assert!(alone.text().lines().any(|line| line == says), "{}", alone.text());
+    let one = sorting("good.boxes --processors 1 -O sort-twice").ok_silently();
+    assert!(one.text().contains("sort-twice 1 on 1 processor is sort-middle"), "{}", one.text());
     let all = sorting("good.boxes --processors 13,17 -O sort-twice,sort-last --json").ok_silently();
     let runs: serde_json::Value = serde_json::from_str(all.text()).unwrap();
     let same: Vec<_> = (0..4).map(|run| runs["runs"][run]["same_as"].as_str()).collect();

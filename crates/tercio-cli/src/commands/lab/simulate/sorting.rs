@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio_lab::machines::{Machine, Operation, Packing, load};
 use tercio_lab::simulators::sorting::{Assignment, Organisation, Setting, SortReport, sweep, usual_group};
+use tercio_lab::words::counted;
 use tercio_lab::workloads::{MAX_SCREEN_PIXELS, PolygonScene};
 
 use super::super::plan::NetworkName;
@@ -206,7 +207,8 @@ fn without_groups(runs: &[((Organisation, Setting), SortReport)]) -> String {
             _ => "one group has all processors",
         };
         let (twice, same) = (name(*organisation), name(same));
-        Some(format!("{twice} on {processors} processors is {same}: {groups} (--group)\n"))
+        let on = counted(processors as u64, "processor", "processors");
+        Some(format!("{twice} on {on} is {same}: {groups} (--group)\n"))
     };
     let mut lines: Vec<_> = runs.iter().filter_map(line).collect();
     lines.dedup();
