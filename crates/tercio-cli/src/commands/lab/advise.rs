@@ -24,8 +24,8 @@ use crate::output::write_text;
 /// and composition of 'tercio render': of all numbers of processors up to 16, then of powers of two, the middle between two of them,
 /// whole nodes, and N. The output says what is not compared, and why. Each time is shown with the model that it is from. If the machine
 /// has a calibration, or says how sure its numbers are, it has an interval, too; '=' marks candidates that cannot be told apart from the
-/// best one. The simulator of the sorting classes covers its own plans, on powers of two of processors and on N; its figures are
-/// comparable with each other only.
+/// best one. The simulator of the sorting classes covers its own plans; the output says which. Its figures are comparable with each
+/// other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

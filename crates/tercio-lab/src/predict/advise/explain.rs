@@ -20,6 +20,8 @@ pub struct Line {
     pub class: &'static str,
     /// Seconds.
     pub seconds: f64,
+    /// Whether they are a formula's estimate instead of a count.
+    pub is_estimate: bool,
     /// In words.
     pub words: String,
 }
@@ -82,7 +84,12 @@ impl Advice {
     pub fn explanation(&self) -> Vec<String> {
         let Some(best) = self.candidates.first() else { return Vec::new() };
         let mut lines = vec![self.why(best), self.searched(), self.not_searched(), self.how_sure(best)];
-        let line = |c: &Candidate| Line { class: c.class(), seconds: c.frame.total(), words: c.describe() };
+        let line = |c: &Candidate| Line {
+            class: c.class(),
+            seconds: c.frame.total(),
+            is_estimate: !c.frame.is_counted(),
+            words: c.describe(),
+        };
         let all: Vec<Line> = self.candidates.iter().map(line).collect();
         lines.extend(others(&all, |k| self.candidates[k].parts().to_vec()));
         lines
@@ -101,14 +108,23 @@ impl Advice {
                 format!("about {:.0} bytes in {:.0} messages", sent.bytes, sent.messages)
             }
         };
-        format!(
+        let mut text = format!(
             "{} is fastest of the {} candidates, {} a frame ({}): {}; {detail}",
             best.describe(),
             self.candidates.len(),
             milliseconds(best.frame.total()),
             best.frame.model(),
             parts.join(", ")
-        )
+        );
+        let counted = self.candidates.iter().find(|candidate| candidate.frame.is_counted());
+        if let Some(counted) = counted.filter(|_| !best.frame.is_counted()) {
+            text += &format!(
+                "; no model counts it, and the fastest that is counted is {}, {}",
+                counted.describe(),
+                milliseconds(counted.frame.total())
+            );
+        }
+        text
     }
 
     /// What was compared.
@@ -215,13 +231,18 @@ const SHOWN: f64 = 0.001;
 pub fn others(lines: &[Line], parts: impl Fn(usize) -> Vec<(&'static str, f64)>) -> Vec<String> {
     let Some(best) = lines.first() else { return Vec::new() };
     let (mut texts, mut seen, ours) = (Vec::new(), vec![best.class], parts(0));
-    for (k, Line { class, seconds, words }) in lines.iter().enumerate() {
+    for (k, Line { class, seconds, is_estimate, words }) in lines.iter().enumerate() {
         if seen.contains(class) {
             continue;
         }
         seen.push(*class);
         let mut text =
             format!("{words} takes {:.2} times as long, {}", seconds / best.seconds, milliseconds(*seconds));
+        text += match (best.is_estimate, is_estimate) {
+            (true, false) => " as counted, if the formulas are right about the first",
+            (false, true) => " if the formulas are right about it",
+            _ => "",
+        };
         let parts = parts(k).into_iter().zip(&ours);
         let mut more: Vec<_> = parts.map(|(theirs, ours)| (theirs.0, (theirs.1 - ours.1) * 1e3)).collect();
         more.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));

@@ -3,7 +3,7 @@
 //! Candidates are all [splits] of up to so many processors into ranks and threads, each with all ways in which ranks share a
 //! frame. Three models predict them, and each candidate says which: threads of one process are counted and charged tile by
 //! tile; ranks come from the [formulas](super::choose) behind `--organisation auto`, with the costs and the network of the
-//! machine; where the best of these is sort-first or sort-last with the usual division and composition, its ranks are counted,
+//! machine; the best of these that are sort-first or sort-last with the usual division and composition are counted rank by rank,
 //! too, and the counted time takes the place of the formula's. Of the best ranks that are counted all sizes of tiles are.
 //!
 //! The simulator of the sorting classes speaks besides, comparable only with its own figures.
@@ -92,6 +92,11 @@ impl Frame {
             Self::Counted(frame) => frame.total(),
             Self::Formulas { terms, .. } => terms.total(),
         }
+    }
+
+    /// Whether work is counted, tile by tile or rank by rank, instead of estimated by formulas.
+    pub fn is_counted(&self) -> bool {
+        !matches!(self, Self::Formulas { .. })
     }
 
     /// The model in words.
@@ -191,12 +196,13 @@ fn sort(candidates: &mut [Candidate]) {
 /// As many of the best are counted rank by rank, at most: each takes as long as drawing what its ranks draw, one after another.
 const REFINED: usize = 8;
 
-/// Counts the best as long as it is a formula's, and there is a model that counts it; then, if ranks are the best and nobody
-/// requested tiles, the same ranks with tiles of all sizes. Formulas do not predict those: that clusters are transformed in each
-/// of their tiles is not in them.
+/// Counts the best of a formula's candidates that can be counted as long as it is faster than all that are counted already; then, if
+/// ranks are the best and nobody requested tiles, the same ranks with tiles of all sizes. Formulas do not predict those: that
+/// clusters are transformed in each of their tiles is not in them.
 fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>) -> Result<(), PredictError> {
     for _ in 0..REFINED {
-        let Some(best) = candidates.first_mut() else { break };
+        let is_next = |c: &Candidate| c.frame.is_counted() || c.counted().is_some();
+        let Some(best) = candidates.iter_mut().find(|candidate| is_next(candidate)) else { break };
         let Some(plan) = best.counted() else { break };
         let Ok(frame) = predict(machine, picture, &plan)? else { break };
         // Counting moves both ends alike.
@@ -205,7 +211,7 @@ fn refine(machine: &Machine, picture: &Picture, candidates: &mut Vec<Candidate>)
         best.frame = Frame::Counted(Box::new(frame));
         sort(candidates);
     }
-    let Some(counted) = candidates.first().cloned() else { return Ok(()) };
+    let Some(counted) = candidates.iter().find(|c| c.frame.is_counted()).cloned() else { return Ok(()) };
     let (Frame::Counted(own), Some(plan)) = (&counted.frame, counted.plan()) else { return Ok(()) };
     if picture.settings.tile_size.is_some() {
         return Ok(());

@@ -1,57 +1,76 @@
-//! The search of the simulator of the sorting classes, and what it says of what it finds.
+//! The search of the simulator of the sorting classes: which plans are simulated. What it says of them is in [`words`].
 //!
-//! Each class is simulated on 1, 2, 4 ... processors and on as many as there may be: roughly on every number, and with all regions on the
-//! numbers that were the fastest so far. What is simulated on a number does not depend on how many processors there may be, so
-//! a larger power of two never gives a worse answer than a smaller one.
+//! Each class is searched by itself, on a ladder of numbers of processors: every number up to [`EVERY`], powers of two, and as many as
+//! there may be.
+//!
+//! 1. [`Search::few`] plans on every number, the same ones on each.
+//! 2. From the fastest of these on each number, all divisions of the screen, and all groups.
+//! 3. Between a number of the ladder that was the fastest so far and its neighbours, other numbers.
+//!
+//! The second and third are left out where the work alone, shared evenly, takes longer than the best that is known of the class. What
+//! else is simulated does not depend on how many processors there may be, so a larger power of two gives no worse an answer.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::explain::{Line, longest, milliseconds, others};
+use super::splits::EVERY;
 use crate::machines::{Control, Machine, Topology};
 use crate::predict::PredictError;
 use crate::predict::counts::Counters;
 use crate::predict::ranks::simulated::SimulatedFrame;
 use crate::predict::ranks::{Plan, simulate};
-use crate::simulators::sorting::{Assignment, Organisation};
-use crate::words::counted;
-use crate::workloads::BoxScene;
+use crate::simulators::sorting::{Assignment, Organisation, Regions};
+use crate::workloads::{BoxScene, PixelBox};
+use words::name;
+pub use words::{describe, describe_with_processors};
 
-/// On more processors only the largest regions are simulated. Each exchange of pixels takes as many steps as there are processors, and a
-/// plan has up to as many exchanges as their logarithm.
-const ALL_REGIONS: usize = 1 << 16;
+mod words;
 
-/// On more processors few plans of sort-twice are simulated at first: there are as many sizes of groups as the logarithm.
-const ALL_GROUPS: usize = 1 << 10;
-
-/// A class is given up when its time has risen with the number of processors so many times in a row,
+/// A class is given up when its time has risen from one power of two to the next so many times in a row,
 const RISES: u32 = 3;
 
 /// to more than so many times its shortest.
 const HOPELESS: f64 = 4.0;
 
+/// Between two powers of two numbers are in steps of this part of the smaller one, or of 1.
+const STEPS: usize = 32;
+
+/// Pixels along the edges of regions, besides the largest of which every owner has one.
+const EDGES: [u32; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+
+/// Those of the few plans on every number.
+const FEW: u32 = 32;
+
+/// Smaller regions than these are left out of pictures and scenes that have very many of them.
+const ALWAYS: u32 = 16;
+
+/// So many are very many, if they are more than two a polygon, too.
+const MANY_PARTS: u64 = 1 << 22;
+
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Interleaved, Assignment::Blocks];
-const REGIONS: [Option<u32>; 5] = [None, Some(16), Some(32), Some(64), Some(128)];
 
 /// What the search found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Found {
     /// The fastest first. Plans with equal times stay in the order in which they were simulated, simple classes first.
     pub frames: Vec<SimulatedFrame>,
-    /// Numbers of processors.
+    /// Numbers of processors on which every class was simulated, unless it was given up.
     pub numbers: Vec<usize>,
+    /// Pixels along the edges of regions.
+    pub edges: Vec<u32>,
     /// Classes that were given up, and the number of processors after which.
     pub given_up: Vec<(&'static str, usize)>,
 }
 
 /// The picture to simulate on a machine.
-#[derive(Clone, Copy)]
 struct Search<'a> {
     machine: &'a Machine,
     topology: Option<Topology>,
     counters: &'a Counters,
     boxes: &'a BoxScene,
     size: (u32, u32),
+    /// Pixels along the edges of regions.
+    edges: Vec<u32>,
 }
 
 /// A class of organisations, of which sort-twice has a member for each size of groups.
@@ -62,6 +81,14 @@ const CLASSES: [Class; 4] = [
     |_| Organisation::SortLast,
     Organisation::SortTwice,
 ];
+
+/// The fastest of the few plans on a number of processors.
+struct Start {
+    seconds: f64,
+    plan: Plan,
+    /// Faster than on all smaller numbers.
+    is_record: bool,
+}
 
 /// Simulates the four classes on up to so many processors.
 ///
@@ -75,58 +102,142 @@ pub fn search(
     topology: Option<Topology>,
     processors: usize,
 ) -> Result<Found, PredictError> {
-    let search = Search { machine, topology, counters, boxes, size };
-    let powers = (0..usize::BITS).map(|bit| 1usize << bit).take_while(|&power| power < processors);
-    let numbers: Vec<usize> = powers.chain([processors]).collect();
+    let search = Search { machine, topology, counters, boxes, size, edges: edges(boxes, size) };
+    let few = 1..=EVERY;
+    let powers = (0..usize::BITS).map(|bit| 1usize << bit).filter(|&power| power > EVERY);
+    let numbers: Vec<usize> =
+        few.chain(powers).take_while(|&number| number < processors).chain([processors]).collect();
+    let work = search.work()?;
     let of_classes: Result<Vec<_>, _> =
-        CLASSES.par_iter().map(|&class| search.class(class, &numbers)).collect();
+        CLASSES.par_iter().map(|&class| search.class(class, &numbers, work)).collect();
     let (mut frames, mut given_up) = (Vec::new(), Vec::new());
     for (class, (of_class, last)) in CLASSES.into_iter().zip(of_classes?) {
         frames.extend(of_class);
         given_up.extend(last.map(|last| (name(class(2)), last)));
     }
     frames.sort_by(|a, b| a.total().total_cmp(&b.total()));
-    Ok(Found { frames, numbers, given_up })
+    Ok(Found { frames, numbers, edges: search.edges, given_up })
+}
+
+/// Edges of regions that do not cut the picture or the polygons' boxes into too many parts. Of those that are no smaller than
+/// the picture, the first.
+fn edges(boxes: &BoxScene, (width, height): (u32, u32)) -> Vec<u32> {
+    let screen = PixelBox::screen(width, height);
+    let are_few = |edge: u32| {
+        let pieces = |pixels: PixelBox| {
+            let along = |first: i32, last: i32| {
+                u64::from((last / edge as i32 - first / edge as i32).unsigned_abs()) + 1
+            };
+            along(pixels.x0, pixels.x1) * along(pixels.y0, pixels.y1)
+        };
+        let visible = boxes.boxes.iter().filter(|polygon| polygon.visible);
+        let of_boxes: u64 =
+            visible.filter_map(|polygon| polygon.pixels.intersection(&screen)).map(pieces).sum();
+        of_boxes.max(pieces(screen)) <= MANY_PARTS.max(2 * boxes.boxes.len() as u64)
+    };
+    let different = EDGES.into_iter().filter(|edge| edge / 2 < width.max(height));
+    different.filter(|&edge| edge >= ALWAYS || are_few(edge)).collect()
+}
+
+/// The fastest of some frames, of equal ones the first.
+fn fastest<'a>(frames: impl Iterator<Item = &'a SimulatedFrame>) -> Option<(f64, Plan)> {
+    let times = frames.map(|frame| (frame.total(), frame.plan));
+    times.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 impl Search<'_> {
-    /// The frames of a class, and the number of processors after which it was given up, if it was.
+    /// The frames of a class, and the number of processors after which it was given up, if it was. On n processors nothing is
+    /// faster than an n-th of `work`.
     fn class(
         &self,
         class: Class,
         numbers: &[usize],
+        work: f64,
     ) -> Result<(Vec<SimulatedFrame>, Option<usize>), PredictError> {
-        let (mut frames, mut given_up) = (Vec::new(), None);
-        // The plans that were the fastest on their numbers of processors, each faster than all on fewer.
-        let mut records: Vec<Plan> = Vec::new();
-        let (mut best, mut before, mut rises) = (f64::INFINITY, f64::INFINITY, 0);
-        for (k, &ranks) in numbers.iter().enumerate() {
-            let rough = self.simulate(&self.rough(class, ranks))?;
-            let fastest = rough.iter().min_by(|a, b| a.total().total_cmp(&b.total()));
-            let Some((time, plan)) = fastest.map(|frame| (frame.total(), frame.plan)) else { continue };
-            frames.extend(rough);
-            if time < best {
-                best = time;
-                records.push(plan);
-            }
-            rises = if time > before { rises + 1 } else { 0 };
-            before = time;
-            if rises >= RISES && time > HOPELESS * best && k + 1 < numbers.len() {
-                given_up = Some(ranks);
-                break;
+        let mut frames = Vec::new();
+        let (mut starts, given_up) = self.starts(class, numbers, &mut frames)?;
+        let mut best = fastest(frames.iter()).map_or(f64::INFINITY, |found| found.0);
+        let may_be_faster = |ranks: usize, best: f64| work / (ranks as f64) < best;
+        let ladder: Vec<(usize, usize)> = starts
+            .windows(2)
+            .filter(|pair| pair[0].is_record || pair[1].is_record)
+            .map(|pair| (pair[0].plan.ranks, pair[1].plan.ranks))
+            .collect();
+        starts.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        for start in starts {
+            if may_be_faster(start.plan.ranks, best) {
+                best = best.min(self.descend(&mut frames, (start.seconds, start.plan), &[])?);
             }
         }
-        let work = self.work()?;
-        for plan in records.iter().rev() {
-            // Not even if all its work were shared evenly and nothing were sent.
-            if work / plan.ranks as f64 >= best {
-                continue;
+        for (low, high) in ladder {
+            let step = (low / STEPS).max(1);
+            let between: Vec<usize> = (low + 1..high).filter(|number| number.is_multiple_of(step)).collect();
+            let start = fastest(frames.iter().filter(|frame| frame.plan.ranks == high));
+            if let Some(start) = start.filter(|_| !between.is_empty() && may_be_faster(high, best)) {
+                best = best.min(self.descend(&mut frames, start, &between)?);
             }
-            let fine = self.simulate(&self.fine(class, plan))?;
-            best = fine.iter().map(SimulatedFrame::total).fold(best, f64::min);
-            frames.extend(fine);
         }
         Ok((frames, given_up))
+    }
+
+    /// Simulates the few plans on every number until the class is given up.
+    fn starts(
+        &self,
+        class: Class,
+        numbers: &[usize],
+        frames: &mut Vec<SimulatedFrame>,
+    ) -> Result<(Vec<Start>, Option<usize>), PredictError> {
+        let mut starts = Vec::new();
+        let (mut best, mut before, mut rises) = (f64::INFINITY, f64::INFINITY, 0);
+        for (k, &ranks) in numbers.iter().enumerate() {
+            let Some((seconds, plan)) = self.fastest_of(frames, &self.few(class, ranks))? else { continue };
+            starts.push(Start { seconds, plan, is_record: seconds < best });
+            best = best.min(seconds);
+            if !ranks.is_power_of_two() {
+                continue;
+            }
+            rises = if seconds > before { rises + 1 } else { 0 };
+            before = seconds;
+            if rises >= RISES && seconds > HOPELESS * best && k + 1 < numbers.len() {
+                return Ok((starts, Some(ranks)));
+            }
+        }
+        Ok((starts, None))
+    }
+
+    /// From a plan to the fastest one that differs in its number of processors only, then in how it divides the screen, then in
+    /// its groups, and again until none is faster. Its seconds.
+    fn descend(
+        &self,
+        frames: &mut Vec<SimulatedFrame>,
+        (mut seconds, mut plan): (f64, Plan),
+        between: &[usize],
+    ) -> Result<f64, PredictError> {
+        loop {
+            let before = seconds;
+            for axis in [Self::other_numbers, Self::other_divisions, Self::other_groups] {
+                if let Some(found) = self.fastest_of(frames, &axis(self, &plan, between))?
+                    && found.0 < seconds
+                {
+                    (seconds, plan) = found;
+                }
+            }
+            if seconds >= before {
+                return Ok(seconds);
+            }
+        }
+    }
+
+    /// The fastest of some plans, after those that were not yet simulated have been.
+    fn fastest_of(
+        &self,
+        frames: &mut Vec<SimulatedFrame>,
+        plans: &[Plan],
+    ) -> Result<Option<(f64, Plan)>, PredictError> {
+        let is_new = |plan: &&Plan| !frames.iter().any(|frame| frame.plan == **plan);
+        let new: Vec<Plan> = plans.iter().filter(is_new).copied().collect();
+        frames.extend(self.simulate(&new)?);
+        Ok(fastest(frames.iter().filter(|frame| plans.contains(&frame.plan))))
     }
 
     fn simulate(&self, plans: &[Plan]) -> Result<Vec<SimulatedFrame>, PredictError> {
@@ -137,11 +248,10 @@ impl Search<'_> {
     /// Seconds of the geometry work and of rasterization without overlap, on one processor: on n no class has less than an n-th of it.
     /// Sort-first may have less than the others, where polygons beside the screen are sent nowhere.
     fn work(&self) -> Result<f64, PredictError> {
-        let Self { machine, counters, boxes, size, .. } = *self;
         let alone = |organisation| -> Result<f64, PredictError> {
-            let plan = self.plan(organisation, 1, None, Assignment::Interleaved);
-            let sorting = simulate(machine, counters, boxes, size, &plan)?.sorting;
-            Ok(sorting.geometry.mean + sorting.raster.mean)
+            let plans = [self.plan(organisation, 1, (None, Assignment::Interleaved))];
+            let sorting = self.simulate(&plans)?.into_iter().map(|frame| frame.sorting);
+            Ok(sorting.map(|sorting| sorting.geometry.mean + sorting.raster.mean).sum())
         };
         let least = alone(Organisation::SortFirst)?.min(alone(Organisation::SortMiddle)?);
         // Sums of many numbers are rounded.
@@ -152,8 +262,7 @@ impl Search<'_> {
         &self,
         organisation: Organisation,
         ranks: usize,
-        region: Option<u32>,
-        assignment: Assignment,
+        (region, assignment): (Option<u32>, Assignment),
     ) -> Plan {
         Plan { organisation, ranks, threads: 1, region, assignment, topology: self.topology }
     }
@@ -165,143 +274,64 @@ impl Search<'_> {
         powers.filter(move |&group| any || ranks.is_multiple_of(group))
     }
 
-    /// Plans of a class on a number of processors: all, but of sort-twice above [`ALL_GROUPS`] few, interleaved, with few regions and
-    /// every second size of groups.
-    fn rough(&self, class: Class, ranks: usize) -> Vec<Plan> {
-        let (groups, regions): (Vec<usize>, &[Option<u32>]) = match class(2) {
-            // An owner of the whole picture needs no regions.
-            Organisation::SortLast => (vec![2], &[None]),
-            Organisation::SortTwice(_) if ranks > ALL_GROUPS => {
-                (self.groups(ranks).step_by(2).collect(), &[None, Some(32)])
-            }
-            Organisation::SortTwice(_) => (self.groups(ranks).collect(), &REGIONS),
-            Organisation::SortFirst | Organisation::SortMiddle => (vec![2], &REGIONS),
+    /// All different ways to divide the screen among those who share a picture.
+    fn divisions(&self, organisation: Organisation, ranks: usize) -> Vec<(Option<u32>, Assignment)> {
+        let owners = match organisation {
+            Organisation::SortFirst | Organisation::SortMiddle => ranks,
+            Organisation::SortLast => 1,
+            Organisation::SortTwice(group) => group,
         };
-        let regions = if ranks > ALL_REGIONS { &regions[..1] } else { regions };
-        let of_group =
-            |&group: &usize| regions.iter().map(move |&region| (group, region)).collect::<Vec<_>>();
-        let all = groups.iter().flat_map(of_group);
-        let few = match class(2) {
-            Organisation::SortLast => true,
-            Organisation::SortTwice(_) => ranks > ALL_GROUPS,
-            _ => ranks > ALL_REGIONS,
+        if owners == 1 {
+            return vec![(None, Assignment::Interleaved)];
+        }
+        let (width, height) = self.size;
+        let largest = Regions::fitting(width, height, owners, Assignment::Interleaved);
+        // A smaller last group divides the screen in its own way, and a SIMD machine may have columns.
+        let alike = self.machine.processors.control == Control::Mimd && ranks.is_multiple_of(owners);
+        let sizes = self.edges.iter().filter(|&&edge| !alike || edge != largest.edge).map(|&edge| Some(edge));
+        let with_assignments = |edge: Option<u32>| {
+            let regions = Regions { edge: edge.unwrap_or(largest.edge), ..largest }.count();
+            let different = if alike && (regions == 1 || regions == owners as u64) { 1 } else { 2 };
+            ASSIGNMENTS.into_iter().take(different).map(move |assignment| (edge, assignment))
         };
-        let assignments = if few { &ASSIGNMENTS[..1] } else { &ASSIGNMENTS[..] };
-        let plans = |(group, region)| {
-            assignments.iter().map(move |&a| self.plan(class(group), ranks, region, a)).collect::<Vec<_>>()
-        };
-        all.flat_map(plans).collect()
+        std::iter::once(None).chain(sizes).flat_map(with_assignments).collect()
     }
 
-    /// The other plans beside the fastest of the few ones: all regions and assignments; groups of this size, half and twice as many.
-    fn fine(&self, class: Class, best: &Plan) -> Vec<Plan> {
-        let groups: Vec<usize> = match best.organisation {
-            Organisation::SortTwice(group) => {
-                let near = [group / 2, group, 2 * group];
-                self.groups(best.ranks).filter(|size| near.contains(size)).collect()
+    /// Plans of a class that are simulated on every number of processors: all groups, interleaved, with the largest regions and
+    /// those of [`FEW`] pixels.
+    fn few(&self, class: Class, ranks: usize) -> Vec<Plan> {
+        let groups = if name(class(2)) == "sort-twice" { self.groups(ranks).collect() } else { vec![2] };
+        let of_group = |group: usize| {
+            let all = self.divisions(class(group), ranks).into_iter();
+            let few = all.filter(|d| d.1 == Assignment::Interleaved && d.0.is_none_or(|edge| edge == FEW));
+            few.map(move |division| self.plan(class(group), ranks, division))
+        };
+        groups.into_iter().flat_map(of_group).collect()
+    }
+
+    /// The same plan on some other numbers of processors that may have its groups.
+    fn other_numbers(&self, plan: &Plan, between: &[usize]) -> Vec<Plan> {
+        let may = |ranks: usize| match plan.organisation {
+            Organisation::SortTwice(group) => self.groups(ranks).any(|size| size == group),
+            _ => true,
+        };
+        between.iter().filter(|&&ranks| may(ranks)).map(|&ranks| Plan { ranks, ..*plan }).collect()
+    }
+
+    fn other_divisions(&self, plan: &Plan, _: &[usize]) -> Vec<Plan> {
+        let all = self.divisions(plan.organisation, plan.ranks).into_iter();
+        all.map(|division| self.plan(plan.organisation, plan.ranks, division)).collect()
+    }
+
+    fn other_groups(&self, plan: &Plan, _: &[usize]) -> Vec<Plan> {
+        match plan.organisation {
+            Organisation::SortTwice(_) => {
+                let sizes = self.groups(plan.ranks);
+                sizes.map(|group| Plan { organisation: Organisation::SortTwice(group), ..*plan }).collect()
             }
             _ => Vec::new(),
-        };
-        if best.ranks > ALL_REGIONS {
-            return Vec::new();
         }
-        let rough = self.rough(class, best.ranks);
-        let mut plans = Vec::new();
-        for group in groups {
-            for region in REGIONS {
-                let all =
-                    ASSIGNMENTS.map(|assignment| self.plan(class(group), best.ranks, region, assignment));
-                plans.extend(all.into_iter().filter(|plan| !rough.contains(plan)));
-            }
-        }
-        plans
     }
-}
-
-impl Found {
-    /// Why the first one is the fastest, what was compared, and what limits the best of each other class.
-    pub fn explanation(&self) -> Vec<String> {
-        let Some(best) = self.frames.first() else { return Vec::new() };
-        let line = |s: &SimulatedFrame| Line {
-            class: name(s.plan.organisation),
-            seconds: s.total(),
-            words: describe_with_processors(&s.plan),
-        };
-        let lines: Vec<Line> = self.frames.iter().map(line).collect();
-        let mut all = vec![why(best), self.searched()];
-        all.extend(others(&lines, |k| self.frames[k].phases().to_vec()));
-        all
-    }
-
-    /// What was compared, and what was not.
-    fn searched(&self) -> String {
-        let most = self.numbers.last().copied().unwrap_or(1);
-        let all = if most.is_power_of_two() {
-            "powers of two".to_owned()
-        } else {
-            format!("powers of two, and {most}")
-        };
-        let mut text = format!(
-            "the simulator compares {all} processors, with regions as large as possible and of 16 to 128 pixels, interleaved and in blocks; of \
-             sort-twice on more than {ALL_GROUPS} of them only groups of 2, 8, 32 ... with the largest regions and those of 32 pixels, interleaved, and the others, \
-             with groups of half and twice the best size, on those numbers of processors that are faster than all smaller ones; not \
-             compared are other numbers of processors, other groups and other regions"
-        );
-        if self.frames.iter().any(|frame| frame.plan.ranks > ALL_REGIONS) {
-            text += &format!("; of more than {ALL_REGIONS} processors other regions than the largest");
-        }
-        for (class, last) in &self.given_up {
-            text += &format!(
-                "; {class} on more than {last} processors: its time has risen {RISES} times in a row, to more than {HOPELESS} times its shortest"
-            );
-        }
-        text
-    }
-}
-
-fn why(best: &SimulatedFrame) -> String {
-    let (name, seconds) = longest(&best.phases());
-    format!(
-        "{} is fastest of the classes simulated, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry \
-         and {:.2} in rasterization",
-        describe_with_processors(&best.plan),
-        milliseconds(best.total()),
-        milliseconds(seconds),
-        best.sorting.geometry.imbalance(),
-        best.sorting.raster.imbalance(),
-    )
-}
-
-/// The class of an organisation.
-fn name(organisation: Organisation) -> &'static str {
-    match organisation {
-        Organisation::SortFirst => "sort-first",
-        Organisation::SortMiddle => "sort-middle",
-        Organisation::SortLast => "sort-last",
-        Organisation::SortTwice(_) => "sort-twice",
-    }
-}
-
-/// A plan of the simulator in words.
-pub fn describe(plan: &Plan) -> String {
-    let mut text = name(plan.organisation).to_string();
-    if let Organisation::SortTwice(group) = plan.organisation {
-        text += &format!(" in groups of {group}");
-    }
-    if plan.organisation != Organisation::SortLast {
-        let regions = plan.region.map_or("as large as possible".into(), |e| format!("of {e} pixels"));
-        let assignment = match plan.assignment {
-            Assignment::Interleaved => "interleaved",
-            Assignment::Blocks => "in blocks",
-        };
-        text += &format!(", regions {regions} {assignment}");
-    }
-    text
-}
-
-/// A plan of the simulator in words, with its number of processors.
-pub fn describe_with_processors(plan: &Plan) -> String {
-    format!("{}, {}", describe(plan), counted(plan.ranks as u64, "processor", "processors"))
 }
 
 #[cfg(test)]
