@@ -57,7 +57,8 @@ fn few_processors_are_explained_in_few_words() {
 fn more_processors_are_never_worse() {
     for machine in machines() {
         let mut before = [f64::INFINITY; 4];
-        for processors in [1, 2, 4, 16, 64, 128, 512] {
+        let most = machine.processors.count.whole() as usize;
+        for processors in [1, 2, 4, 16, 64, 128, 512].into_iter().filter(|&processors| processors <= most) {
             let found = found(&machine, 600, processors);
             for (class, before) in CLASSES.into_iter().zip(&mut before) {
                 let of_class = found.frames.iter().filter(|f| name(f.plan.organisation) == name(class(2)));
@@ -79,9 +80,8 @@ fn least(frames: &[SimulatedFrame], class: Class, may: impl Fn(usize) -> bool) -
     of_class.map(SimulatedFrame::total).fold(f64::INFINITY, f64::min)
 }
 
-/// Brute force: all plans on all numbers up to 40, every size of groups among them. Of sort-first, -middle and -last the search finds
-/// the best on those numbers that it always compares, and of sort-twice one that is a tenth slower; and of all numbers together as good
-/// a one.
+/// Brute force: all plans on all numbers of processors that the search always compares, every size of groups among them. Of
+/// sort-first, -middle and -last the search finds the best, and of sort-twice one that is a tenth slower.
 #[test]
 fn few_plans_find_nearly_the_best_of_all() {
     let most = 40;
@@ -102,14 +102,9 @@ fn few_plans_find_nearly_the_best_of_all() {
             }
             let all = search.simulate(&plans).unwrap();
             let always = |ranks| few.numbers.contains(&ranks);
-            let [all_always, few_always] = [&all, &few.frames].map(|frames| least(frames, class, always));
-            let [all, few] = [&all, &few.frames].map(|frames| least(frames, class, |_| true));
-            let text = format!("{} {}: {few} {all}, {few_always} {all_always}", machine.name, name(class(2)));
-            assert!(
-                all_always <= few_always && few_always <= if is_twice { 1.1 } else { 1.0 } * all_always,
-                "{text}"
-            );
-            assert!(all <= few && few <= 1.1 * all, "{text}");
+            let [all, few] = [&all, &few.frames].map(|frames| least(frames, class, always));
+            let most = if is_twice { 1.1 } else { 1.0 } * all;
+            assert!(all <= few && few <= most, "{} {}: {few} {all}", machine.name, name(class(2)));
         }
     }
 }
