@@ -4,18 +4,26 @@ use super::builtin::NAMES;
 use super::description::Machine;
 use super::error::MachineError;
 use super::sourced::{Cost, Sourced};
+use super::stages;
 use crate::units::Count;
 
 /// An invalid number, with its section and key.
 pub(super) struct Wrong {
     section: &'static str,
+    /// Which of the sections of this name, from 0.
+    nth: usize,
     key: String,
     what: String,
 }
 
 impl Wrong {
-    fn new(section: &'static str, key: &str, what: String) -> Self {
-        Self { section, key: key.into(), what }
+    pub fn new(section: &'static str, key: &str, what: String) -> Self {
+        Self { section, nth: 0, key: key.into(), what }
+    }
+
+    /// The same in another section of this name.
+    pub fn in_section(self, nth: usize) -> Self {
+        Self { nth, ..self }
     }
 
     /// The message with the line of the key, or of the section if the key is not on a line of its own.
@@ -26,17 +34,19 @@ impl Wrong {
     }
 
     fn place(&self, text: &str) -> (usize, usize) {
-        let (mut inside, mut section) = (false, 1);
+        let (mut inside, mut section, mut sections) = (false, 1, 0);
         for (number, line) in text.lines().enumerate() {
             let trimmed = line.trim_start();
             if let Some(header) = trimmed.strip_prefix('[') {
-                let name = header.split(']').next().unwrap_or_default();
+                let name = header.trim_start_matches('[').split(']').next().unwrap_or_default();
+                sections += usize::from(name == self.section);
                 // A number may have a table of its own, as `lab machines` writes them.
                 let of_section = name.strip_prefix(self.section);
-                if of_section.and_then(|rest| rest.strip_prefix('.')) == Some(&self.key) {
+                let is_it = of_section.and_then(|rest| rest.strip_prefix('.')) == Some(&self.key);
+                if is_it && sections.max(1) == self.nth + 1 {
                     return (number + 1, line.len() - trimmed.len() + 1);
                 }
-                inside = name == self.section;
+                inside = name == self.section && sections == self.nth + 1;
                 section = if inside { number + 1 } else { section };
             } else if inside && trimmed.split('=').next().is_some_and(|k| k.trim() == self.key) {
                 return (number + 1, line.len() - trimmed.len() + 1);
@@ -46,7 +56,11 @@ impl Wrong {
     }
 }
 
-fn positive<Q>(section: &'static str, key: &str, number: Option<&Sourced<Q>>) -> Result<(), Wrong> {
+pub(super) fn positive<Q>(
+    section: &'static str,
+    key: &str,
+    number: Option<&Sourced<Q>>,
+) -> Result<(), Wrong> {
     match number {
         Some(n) if n.value <= 0.0 => {
             Err(Wrong::new(section, key, format!("expected more than 0, found {}", n.text)))
@@ -174,6 +188,7 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
         return Err(Wrong::new("processors", "serial", format!("expected at most 100 %, found {s}")));
     }
     uncertainty(m)?;
+    stages::check(m)?;
     if let Some(screen) = &m.screen {
         positive("screen", "width", Some(&screen.width))?;
         positive("screen", "height", Some(&screen.height))?;
@@ -193,7 +208,11 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
     }
 }
 
-fn simulated(section: &'static str, key: &str, number: Option<&Sourced<Count>>) -> Result<(), Wrong> {
+pub(super) fn simulated(
+    section: &'static str,
+    key: &str,
+    number: Option<&Sourced<Count>>,
+) -> Result<(), Wrong> {
     at_most(section, key, number, MOST as f64, "")
 }
 

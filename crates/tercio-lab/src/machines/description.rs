@@ -12,6 +12,7 @@ use super::kinds::{Control, Delivery, Packing, ScreenDivision, SortingClass, Top
 use super::operations::Operation;
 use super::sections::{Assumptions, Calibration, Heap, Sdram, TileEngine, Transfer};
 use super::sourced::{Cost, Sourced};
+use super::stages::Stage;
 use super::{NAMES, builtin};
 use crate::units::{Bytes, BytesPerSecond, Count, Hertz, PolygonRate, Ratio, Seconds};
 
@@ -27,6 +28,10 @@ pub struct Machine {
     pub sorting: Sorting,
     /// Its processors.
     pub processors: Processors,
+    /// Its stages in order, for its diagram, if they differ in number or kind. The scene is before them, the picture after them. Without
+    /// them, geometry and rasterization are drawn as the work of `processors.count` processors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<Stage>,
     /// Its screen, if a document gives it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screen: Option<Screen>,
@@ -158,7 +163,7 @@ pub struct Network {
     pub delivery: Delivery,
 }
 
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 

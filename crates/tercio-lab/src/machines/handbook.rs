@@ -11,14 +11,16 @@ use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Hertz, PolygonRate, Qua
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory/files.md");
 const DESCRIPTION: &str = include_str!("description.rs");
 const SECTIONS: &str = include_str!("sections.rs");
+const STAGES: &str = include_str!("stages.rs");
 const KINDS: &str = include_str!("kinds.rs");
 const OPERATIONS: &str = include_str!("operations.rs");
 
 /// Sections with the code of their structure and its name.
-const STRUCTURES: [(&str, &str, &str); 11] = [
+const STRUCTURES: [(&str, &str, &str); 12] = [
     ("", DESCRIPTION, "Machine"),
     ("sorting", DESCRIPTION, "Sorting"),
     ("processors", DESCRIPTION, "Processors"),
+    ("stages", STAGES, "Stage"),
     ("screen", DESCRIPTION, "Screen"),
     ("network", DESCRIPTION, "Network"),
     ("heap", SECTIONS, "Heap"),
@@ -32,10 +34,11 @@ const STRUCTURES: [(&str, &str, &str); 11] = [
 const ENUMERATIONS: [(&str, &str, &str); 2] =
     [("bytes", DESCRIPTION, "DataKind"), ("costs", OPERATIONS, "Operation")];
 /// Keys with the enumeration of their words.
-const WORDS: [(&str, &str); 6] = [
+const WORDS: [(&str, &str); 7] = [
     ("sorting.class", "SortingClass"),
     ("sorting.screen", "ScreenDivision"),
     ("processors.control", "Control"),
+    ("stages.arrangement", "Arrangement"),
     ("network.topology", "Topology"),
     ("network.packing", "Packing"),
     ("network.delivery", "Delivery"),
@@ -108,12 +111,19 @@ fn unit(of: &str) -> String {
             match inner {
                 $(concat!("Sourced<", stringify!($type)) => of_quantity($type::NAME, $type::UNIT),)*
                 "String" => "text".into(),
+                "bool" => "`true` or `false`".into(),
+                name if name.starts_with("Vec<") => "sections, one each".into(),
                 name if WORDS.iter().any(|words| words.1 == name) => "one of the words below".into(),
                 _ => "a section".into(),
             }
         };
     }
     quantity!(Bytes, BytesPerSecond, Count, Cycles, Hertz, PolygonRate, Ratio, Seconds)
+}
+
+/// The header of a section, which a file may have several times if it is that of a list.
+fn header(section: &str) -> String {
+    if section == "stages" { format!("[[{section}]]") } else { format!("[{section}]") }
 }
 
 /// The lines of the documentation of a module.
@@ -130,11 +140,13 @@ fn page() -> String {
          that is *optional* has no value if it is not given:\na command that needs it names it and ends with an error.\n",
     );
     for (section, code, name) in STRUCTURES {
-        let title = if section.is_empty() { "Top of the file".into() } else { format!("`[{section}]`") };
+        let title =
+            if section.is_empty() { "Top of the file".into() } else { format!("`{}`", header(section)) };
         let _ = writeln!(page, "\n### {title}\n\n| key | what it is | given | meaning |\n|---|---|---|---|");
         for item in items(code, name) {
             let given = match WORDS.iter().find(|words| words.1 == item.of).and_then(|w| default_word(w.1)) {
                 Some(word) => format!("`{word}` by default"),
+                None if item.of == "bool" => "`false` by default".into(),
                 None if item.is_required() => "required".into(),
                 None => "optional".into(),
             };
@@ -201,7 +213,8 @@ fn expected_keys(section: &str) -> BTreeSet<String> {
                 })
                 .collect::<Vec<_>>()
                 .join("\n[");
-            format!("{without}\n[{section}]\nno-such-key = {{ value = \"1 cycle\", source = \"x\" }}\n")
+            let header = header(section);
+            format!("{without}\n{header}\nno-such-key = {{ value = \"1 cycle\", source = \"x\" }}\n")
         }
     };
     let message = parse("x.toml", &text).unwrap_err().to_string();
@@ -220,13 +233,16 @@ fn the_keys_of_the_page_are_those_that_are_read() {
 /// What the page calls required is missed, and nothing else.
 #[test]
 fn required_keys_are_those_that_are_missed() {
-    let whole: toml::Table = super::load("hybris-asic").unwrap().to_toml().unwrap().parse().unwrap();
+    let table = |name: &str| super::load(name).unwrap().to_toml().unwrap().parse::<toml::Table>().unwrap();
+    let (engine, stages) = (table("hybris-asic"), table("sgi-gtx"));
     let mut tried = 0;
     for (section, code, name) in STRUCTURES {
+        let whole = if section == "stages" { &stages } else { &engine };
         for item in items(code, name) {
             let mut without = whole.clone();
             let table = match section {
                 "" => Some(&mut without),
+                "stages" => without["stages"].as_array_mut().unwrap()[0].as_table_mut(),
                 _ => without.get_mut(section).and_then(toml::Value::as_table_mut),
             };
             let Some(removed) = table.and_then(|table| table.remove(&item.key)) else { continue };

@@ -112,6 +112,19 @@ impl Topology {
     }
 }
 
+/// How the units of a stage are arranged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arrangement {
+    /// Side by side.
+    #[default]
+    Parallel,
+    /// Each hands on to the next. A single unit before them feeds the first, a single one after them takes from the last.
+    Pipeline,
+    /// A binary tree. What comes in enters at the root, what goes out leaves at the leaves.
+    Tree,
+}
+
 /// Who decides what the processors do next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

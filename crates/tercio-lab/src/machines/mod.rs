@@ -16,13 +16,15 @@ mod kinds;
 mod operations;
 mod sections;
 mod sourced;
+mod stages;
 #[cfg(test)]
 mod tests;
 
 pub use builtin::{NAMES, builtin};
 pub use description::{DataKind, Machine, Network, Processors, Screen, Sorting, load, parse};
 pub use error::MachineError;
-pub use kinds::{Control, Delivery, Packing, ScreenDivision, SortingClass, Topology};
+pub use kinds::{Arrangement, Control, Delivery, Packing, ScreenDivision, SortingClass, Topology};
 pub use operations::Operation;
 pub use sections::{Assumptions, Calibration, Heap, Sdram, TileEngine, Transfer};
 pub use sourced::{Cost, Sourced};
+pub use stages::Stage;

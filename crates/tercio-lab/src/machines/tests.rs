@@ -261,3 +261,35 @@ fn numbers_quoted_from_another_machine_follow_it() {
     }
     assert!(compared > 60, "{compared}");
 }
+
+/// A stage needs units, what it sorts, and as many sorts as the class has; mistakes are reported where they are.
+#[test]
+fn stages_agree_with_the_class() {
+    let with = |stages: &str| parse("m.toml", &SMALL.replace("[costs]", &format!("{stages}[costs]")));
+    let one = "[[stages]]\nname = \"host\"\ncount = { value = 1, source = \"x\" }\n";
+    let two = "[[stages]]\nname = \"chip\"\ncount = { value = 2, source = \"x\" }\nreceives = \"spans\"\nsorted = true\n";
+    let good = format!("{one}{two}");
+    assert_eq!(with(&good).unwrap().stages.len(), 2);
+    let error = |stages: &str| with(stages).unwrap_err().to_string();
+    let none = error(&good.replace("value = 2", "value = 0"));
+    assert!(none.starts_with("m.toml:20:1: stages.count: expected more than 0, found 0"), "{none}");
+    let many = error(&good.replace("value = 2", "value = 10000000"));
+    assert!(many.starts_with("m.toml:20:1: stages.count: expected at most 1048576"), "{many}");
+    let what = error(&good.replace("receives = \"spans\"\n", ""));
+    assert!(what.starts_with("m.toml:21:1: stages.sorted: expected what is sorted"), "{what}");
+    let nameless = error(&good.replace("\"chip\"", "\"\""));
+    assert!(nameless.starts_with("m.toml:19:1: stages.name: expected what one"), "{nameless}");
+    let sorts = error(&format!("{two}{two}"));
+    assert!(sorts.starts_with("m.toml:19:1: stages.sorted: expected true in 1 stages"), "{sorts}");
+    assert!(sorts.contains("sorting.class is sort-middle; found 2"), "{sorts}");
+    assert!(error(one).contains("found 0"), "{}", error(one));
+    let eight = error(&format!("{}{two}", one.repeat(8)));
+    assert!(eight.contains("expected at most 8 stages, found 9"), "{eight}");
+    let shape = error(&good.replace("sorted = true", "over = \"star\""));
+    assert!(shape.starts_with("m.toml:22:") && shape.contains("fat-tree"), "{shape}");
+    // In a table of its own, as `lab machines` writes it.
+    let written = with(&good).unwrap().to_toml().unwrap().replacen("value = \"2\"", "value = \"0\"", 1);
+    let line = written.lines().position(|line| line == "value = \"0\"").unwrap();
+    let own = parse("m.toml", &written).unwrap_err().to_string();
+    assert!(own.starts_with(&format!("m.toml:{line}:1: stages.count")), "{own}");
+}

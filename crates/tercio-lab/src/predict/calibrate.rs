@@ -436,6 +436,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
         costs: BTreeMap::from([(Operation::CompositePixel, composite)]),
         heap: None,
         sdram: None,
+        stages: Vec::new(),
         tile_engine: None,
         transfer: None,
         claims: BTreeMap::new(),
