@@ -263,8 +263,9 @@ fn built_in() -> impl Iterator<Item = Machine> {
 
 fn all_machines(to: &mut impl Format) {
     to.paragraph(
-        "Where each machine sorts, and what travels there. At most three processors are drawn; the last one stands for those \
-         between. Of a machine with tile engines, its pipeline is drawn: heap, stages of each engine, and the entries of \
+        "Where each machine sorts, and what travels there. At most three units of a stage are drawn; the last one stands for \
+         those between. Stages that differ in number or kind are those of the machine's description; otherwise the same \
+         processors are drawn twice, for geometry and for rasterization. Of a machine with tile engines, its pipeline is drawn: heap, stages of each engine, and the entries of \
          the queues between them; of more than two engines or lanes two are drawn.",
     );
     for of in built_in() {

@@ -1,47 +1,29 @@
 //! Machines as diagrams: their stages, where work is sorted between processors, and what travels.
 
+mod columns;
 mod engine;
+mod network;
+#[cfg(test)]
+mod tests;
 
 use glam::{DVec2, dvec2};
 use tercio::vector::{Anchor, Cap, Page, Shape, Style, Text, VectorFormat, text_width};
 
-use crate::machines::{DataKind, Machine, SortingClass};
+use columns::{Column, Link, columns};
 
+use crate::machines::{Arrangement, Machine};
+
+/// Size of the pipeline of tile engines.
 const SIZE: DVec2 = dvec2(760.0, 210.0);
+/// Height of all other diagrams, and their least width.
+const HEIGHT: f64 = 224.0;
+const WIDTH: f64 = 760.0;
 const INK: [u8; 4] = [25, 25, 25, 255];
 const SORT: [u8; 4] = [225, 60, 120, 255];
-const BOX: DVec2 = dvec2(108.0, 34.0);
 const FONT: f64 = 12.0;
-/// Left edges of the stages: what comes in, geometry, rasterization, picture.
-const STAGES: [(&str, f64); 4] =
-    [("polygons", 10.0), ("geometry", 215.0), ("rasterization", 420.0), ("picture", 640.0)];
-/// Rows of the processors that are drawn.
-const ROWS: [f64; 3] = [62.0, 106.0, 150.0];
-
-/// What lies between two stages.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Link {
-    /// Data stay on their processor.
-    Straight,
-    /// Every processor sends to every other one.
-    Sorted(DataKind),
-    /// Sorted between the processors of a group only.
-    InGroups(DataKind),
-}
-
-/// What lies after polygons, geometry and rasterization.
-fn links(class: SortingClass) -> [Link; 3] {
-    use Link::{InGroups, Sorted, Straight};
-    match class {
-        SortingClass::None => [Straight; 3],
-        SortingClass::SortFirst => [Sorted(DataKind::Primitive), Straight, Straight],
-        SortingClass::SortMiddle => [Straight, Sorted(DataKind::Descriptor), Straight],
-        SortingClass::SortLast => [Straight, Straight, Sorted(DataKind::Sample)],
-        SortingClass::SortTwice => [Straight, InGroups(DataKind::Descriptor), Sorted(DataKind::Sample)],
-        // What document 001, 2.3.4, calls hybrid: sort-middle and sort-last in one. Those with tile engines are drawn as such.
-        SortingClass::Hybrid => [Straight, Sorted(DataKind::Descriptor), Sorted(DataKind::Sample)],
-    }
-}
+const BOX_HEIGHT: f64 = 34.0;
+/// Middles of the rows of a column with one, two or three boxes.
+const ROWS: [&[f64]; 3] = [&[123.0], &[95.0, 151.0], &[79.0, 123.0, 167.0]];
 
 /// A machine as an element `svg`.
 pub(super) fn svg(machine: &Machine) -> String {
@@ -51,60 +33,86 @@ pub(super) fn svg(machine: &Machine) -> String {
 
 fn page(machine: &Machine) -> Page {
     let mut page = Page { size: SIZE.to_array(), background: None, shapes: Vec::new() };
-    let shapes = &mut page.shapes;
     if let (Some(heap), Some(engine)) = (&machine.heap, &machine.tile_engine) {
-        engine::push(shapes, machine, heap, engine);
+        engine::push(&mut page.shapes, machine, heap, engine);
         return page;
     }
-    let processors = machine.processors.count.whole();
-    let rows = &ROWS[..(processors.min(3) as usize).max(1)];
-    let links = links(machine.sorting.class);
-    for (stage, (name, left)) in STAGES.into_iter().enumerate() {
-        let middle = left + 0.5 * BOX.x;
-        text(shapes, name, FONT, dvec2(middle, 24.0), INK);
-        for (i, &y) in rows.iter().enumerate() {
-            // With many processors the last row stands for all that are not drawn.
-            let number = if i == 2 && processors > 3 { processors } else { i as u64 + 1 };
-            let label = match stage {
-                0 => format!("share {number}"),
-                1 | 2 => format!("processor {number}"),
-                _ => format!("part {number}"),
-            };
-            outline(shapes, dvec2(left, y), BOX, &label);
-        }
-        if processors > 3 {
-            text(shapes, "...", FONT, dvec2(middle, 0.5 * (ROWS[1] + ROWS[2]) + 21.0), INK);
-        }
+    let columns = columns(machine);
+    let (width, gap) = match columns.len() {
+        0..=4 => (108.0, 97.0),
+        5 => (100.0, 70.0),
+        _ => (92.0, 66.0),
+    };
+    let all = columns.len() as f64 * (width + gap) - gap;
+    page.size = [WIDTH.max(all + 20.0), HEIGHT];
+    let left = 0.5 * (page.size[0] - all);
+    let sides: Vec<_> = (0..columns.len())
+        .map(|i| left + i as f64 * (width + gap))
+        .map(|left| [left, left + width])
+        .collect();
+    for (column, &sides) in columns.iter().zip(&sides) {
+        push_column(&mut page.shapes, column, sides, width + gap - 8.0);
     }
-    for (i, link) in links.into_iter().enumerate() {
-        let (from, to) = (STAGES[i].1 + BOX.x, STAGES[i + 1].1);
-        let pairs = (0..rows.len()).flat_map(|a| (0..rows.len()).map(move |b| (a, b)));
-        let joined = |a: usize, b: usize| match link {
-            Link::Straight => a == b,
-            Link::Sorted(_) => true,
-            Link::InGroups(_) => a == b || (a < 2 && b < 2),
-        };
-        let color = if link == Link::Straight { INK } else { SORT };
-        let y = |row: usize| rows[row] + 0.5 * BOX.y;
-        let lines = pairs.filter(|&(a, b)| joined(a, b));
-        join(shapes, color, lines.map(|(a, b)| [dvec2(from, y(a)), dvec2(to, y(b))]));
-        if let Link::Sorted(kind) | Link::InGroups(kind) = link {
-            let at = 0.5 * (from + to);
-            text(shapes, "sort", FONT, dvec2(at, 42.0), SORT);
-            text(shapes, &travelling(machine, kind), FONT - 1.0, dvec2(at, 198.0), SORT);
-        }
+    for (pair, sides) in columns.windows(2).zip(sides.windows(2)) {
+        let [from, to] = pair else { continue };
+        push_link(&mut page.shapes, from, to, [sides[0][1], sides[1][0]], width + gap - 8.0);
     }
     page
 }
 
-/// What travels, with its size if the description gives it.
-fn travelling(machine: &Machine, kind: DataKind) -> String {
-    let what = match kind {
-        DataKind::Primitive => "polygons",
-        DataKind::Descriptor => "descriptors",
-        DataKind::Sample | DataKind::Pixel => "pixels",
-    };
-    machine.bytes.get(&kind).map_or(what.into(), |size| format!("{what}, {size} each"))
+/// A column: what its boxes are, how many there are, and at most three of them.
+fn push_column(shapes: &mut Vec<Shape>, column: &Column, [left, right]: [f64; 2], room: f64) {
+    let middle = 0.5 * (left + right);
+    fitting(shapes, &column.title, FONT, dvec2(middle, 20.0), INK, room);
+    fitting(shapes, &column.note, FONT - 1.5, dvec2(middle, 36.0), INK, room);
+    if column.arrangement == Arrangement::Tree {
+        return network::splitters(shapes, column.count, [left, right], column.color());
+    }
+    let rows = column.rows();
+    for (label, &y) in column.labels.iter().zip(rows) {
+        outline(shapes, dvec2(left, y - 0.5 * BOX_HEIGHT), dvec2(right - left, BOX_HEIGHT), label);
+    }
+    let skips = column.units() > 3;
+    if let (true, [.., above, below]) = (skips, rows) {
+        // Beside the arrow of a pipeline.
+        let x = if column.arrangement == Arrangement::Pipeline { middle + 14.0 } else { middle };
+        text(shapes, "...", FONT, dvec2(x, 0.5 * (above + below) + 1.0), INK);
+    }
+    if column.arrangement == Arrangement::Pipeline {
+        let ends = rows.windows(2).map(|pair| [pair[0], pair[1]].map(|y| dvec2(middle, y)));
+        let inset = dvec2(0.0, 0.5 * BOX_HEIGHT);
+        network::arrows(shapes, column.color(), ends.map(|[a, b]| [a + inset, b - inset]));
+    }
+}
+
+/// What lies between two columns.
+fn push_link(shapes: &mut Vec<Shape>, from: &Column, to: &Column, [left, right]: [f64; 2], room: f64) {
+    let color = to.color();
+    match &to.link {
+        Link::Over { topology, in_groups } => {
+            let (a, b) = (from.outputs(), to.inputs());
+            let groups =
+                if *in_groups && a.len() == 3 && b.len() == 3 { vec![0..2, 2..3] } else { vec![0..3] };
+            for rows in groups {
+                let part = |y: &[f64]| y[rows.start.min(y.len())..rows.end.min(y.len())].to_vec();
+                network::push(shapes, *topology, color, [left, right], [&part(&a), &part(&b)]);
+            }
+        }
+        Link::Own | Link::All => {
+            let ends = columns::joined(from, to).into_iter();
+            join(shapes, color, ends.map(|[a, b]| [dvec2(left, a), dvec2(right, b)]));
+        }
+    }
+    let at = 0.5 * (left + right);
+    if to.sorted {
+        text(shapes, "sort", FONT, dvec2(at, 52.0), SORT);
+    }
+    if let Some(what) = &to.receives {
+        fitting(shapes, what, FONT - 1.0, dvec2(at, 203.0), color, room);
+    }
+    if let Some(way) = &to.way {
+        fitting(shapes, way, FONT - 1.5, dvec2(at, 218.0), color, room);
+    }
 }
 
 /// Lines from the right edges of boxes to the left edges of others.
@@ -135,55 +143,10 @@ fn text(shapes: &mut Vec<Shape>, text: &str, size: f64, at: DVec2, color: [u8; 4
     }));
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::machines::{NAMES, load};
-
-    #[test]
-    fn every_machine_is_sorted_where_its_class_says_and_what_travels_is_named() {
-        for name in NAMES {
-            let machine = load(name).unwrap();
-            let element = svg(&machine);
-            assert!(element.starts_with("<svg") && element.trim_end().ends_with("</svg>"), "{name}");
-            let sorts = match machine.sorting.class {
-                SortingClass::None => 0,
-                SortingClass::SortFirst | SortingClass::SortMiddle | SortingClass::SortLast => 1,
-                SortingClass::SortTwice => 2,
-                // The engines' triangles are sorted into the tiles of a heap.
-                SortingClass::Hybrid => {
-                    if machine.tile_engine.is_some() {
-                        1
-                    } else {
-                        2
-                    }
-                }
-            };
-            assert_eq!(element.matches(">sort</text>").count(), sorts, "{name}");
-        }
-        let ring = svg(&load("princeton-engine").unwrap());
-        assert!(ring.contains("descriptors, 84 B each") && ring.contains("processor 1024"));
-        assert!(!ring.contains("pixels, "));
-    }
-
-    #[test]
-    fn the_stages_and_queues_of_tile_engines_are_drawn() {
-        let element = |name: &str| svg(&load(name).unwrap());
-        let count = |name: &str, label: &str| element(name).matches(&format!(">{label}</text>")).count();
-        for stage in
-            ["front end", "triangle heap", "set-up triangle", "draw triangle", "set-up span", "draw span"]
-        {
-            assert_eq!(count("hybris-asic", stage), 1, "{stage}");
-        }
-        // Four stages and a tile buffer for each engine; two lanes of two stages and two spans each in the 2x2 engine.
-        assert_eq!((count("hybris-asic", "engine 1"), count("hybris-asic-two-engines", "engine 2")), (5, 5));
-        assert_eq!((count("hybris-asic-2x2", "odd lines"), count("hybris-asic-2x2", "odd pixels")), (2, 2));
-        assert_eq!(
-            (count("hybris-asic", "queue of 16"), count("hybris-asic-2x2", "queues of 16 and 4")),
-            (2, 2)
-        );
-        assert_eq!((count("hybris-fpga", "register"), count("hybris-fpga", "bus, 100 MB/s")), (2, 1));
-        assert_eq!((count("hybris-dual-cpu", "heap 2"), count("hybris-dual-cpu", "processor 2")), (1, 6));
-        assert_eq!(count("hybris-single-cpu", "register"), 0, "nested loops have no queues");
+/// A text, smaller if it is wider than the room for it.
+fn fitting(shapes: &mut Vec<Shape>, words: &str, size: f64, at: DVec2, color: [u8; 4], room: f64) {
+    if !words.is_empty() {
+        let size = size.min(size * room / text_width(words, size));
+        text(shapes, words, size, at, color);
     }
 }
