@@ -132,7 +132,7 @@ pub(super) fn columns(machine: &Machine) -> Vec<Column> {
 }
 
 fn of_stages(machine: &Machine) -> Vec<Column> {
-    let mut columns = vec![Column::new("scene", "", 1, |_| "polygons".into())];
+    let mut columns = vec![Column::new("scene", "", 1, |_| "model".into())];
     for stage in &machine.stages {
         let count = stage.count.whole();
         let title = format!("{count} {}", if count == 1 { stage.name.clone() } else { plural(&stage.name) });
