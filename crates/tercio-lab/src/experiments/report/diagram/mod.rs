@@ -91,10 +91,11 @@ fn push_link(shapes: &mut Vec<Shape>, from: &Column, to: &Column, [left, right]:
     match &to.link {
         Link::Over { topology, in_groups } => {
             let (a, b) = (from.outputs(), to.inputs());
-            let groups =
-                if *in_groups && a.len() == 3 && b.len() == 3 { vec![0..2, 2..3] } else { vec![0..3] };
-            for rows in groups {
-                let part = |y: &[f64]| y[rows.start.min(y.len())..rows.end.min(y.len())].to_vec();
+            // From each row to the one behind the last.
+            let groups: &[[usize; 2]] =
+                if *in_groups && a.len() == 3 && b.len() == 3 { &[[0, 2], [2, 3]] } else { &[[0, 3]] };
+            for &[first, end] in groups {
+                let part = |y: &[f64]| y[first.min(y.len())..end.min(y.len())].to_vec();
                 network::push(shapes, *topology, color, [left, right], [&part(&a), &part(&b)]);
             }
         }

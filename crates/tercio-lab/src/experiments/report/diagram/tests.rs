@@ -135,19 +135,19 @@ fn networks_are_drawn_by_their_shape() {
 
 #[test]
 fn units_are_joined_to_those_that_they_serve() {
-    let columns = columns::columns(&load("sgi-gtx").unwrap());
-    let ends = |i: usize| columns::joined(&columns[i], &columns[i + 1]);
+    let gtx = columns(&load("sgi-gtx").unwrap());
+    let ends = |i: usize| columns::joined(&gtx[i], &gtx[i + 1]);
     // Into the first and out of the last processor of a pipeline, and each span processor to its own engines.
     let [first, .., last] = ROWS[2] else { panic!() };
     assert_eq!(ends(0), [[ROWS[0][0], *first]]);
     assert_eq!(ends(1), [[*last, ROWS[0][0]]]);
     assert_eq!(ends(4), ROWS[2].iter().map(|&y| [y, y]).collect::<Vec<_>>());
     // Each of 8 last splitters has two processors; the first two and the last one of 16 are drawn.
-    let columns = columns::columns(&load("parks-splitter").unwrap());
+    let parks = columns(&load("parks-splitter").unwrap());
     let leaves = network::leaves(15);
     assert_eq!(leaves.len(), 8);
-    let joined = columns::joined(&columns[2], &columns[3]);
+    let joined = columns::joined(&parks[2], &parks[3]);
     let expected = [[leaves[0], ROWS[2][0]], [leaves[0], ROWS[2][1]], [leaves[7], ROWS[2][2]]];
     assert_eq!(joined, expected);
-    assert!(columns.iter().all(|c| !matches!(c.link, Link::Over { topology: Topology::Crossbar, .. })));
+    assert!(parks.iter().all(|c| !matches!(c.link, Link::Over { topology: Topology::Crossbar, .. })));
 }
