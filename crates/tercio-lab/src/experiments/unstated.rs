@@ -33,7 +33,7 @@ pub(super) struct Reading {
     pub intervals: Vec<[f64; 2]>,
 }
 
-/// The inputs of some experiments. A number that two figures compare stands once.
+/// The inputs of some experiments. A number that two figures compare is listed once.
 pub(super) fn joined<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> Vec<Input> {
     let mut inputs: Vec<Input> = Vec::new();
     for outcome in outcomes {

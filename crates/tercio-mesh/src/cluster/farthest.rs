@@ -42,9 +42,9 @@ impl ClusteredMesh {
         let groups = || self.groups().par_iter().enumerate().with_min_len(GROUPS_OF_THREAD);
         let far = groups().map(|(group, &of)| (group, of_box(of))).max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((first, _)) = far else { return f64::NEG_INFINITY };
-        let nearest_first = (first * GROUP..clusters.len()).take(GROUP);
-        let farthest = nearest_first
-            .max_by(|&a, &b| of_box(corners(&clusters[a])).total_cmp(&of_box(corners(&clusters[b]))));
+        let of_first = (first * GROUP..clusters.len()).take(GROUP);
+        let farthest =
+            of_first.max_by(|&a, &b| of_box(corners(&clusters[a])).total_cmp(&of_box(corners(&clusters[b]))));
         let start = of_group(first, farthest.map_or(f64::NEG_INFINITY, of_cluster));
         let look = |best: f64, (group, &of): (usize, &Corners)| {
             if of_box(of) > best { of_group(group, best) } else { best }

@@ -300,7 +300,11 @@ impl Search<'_> {
     /// Plans of a class that are simulated on every number of processors: all groups, interleaved, with the largest regions and
     /// those of [`FEW`] pixels.
     fn few(&self, class: Class, ranks: usize) -> Vec<Plan> {
-        let groups = if name(class(2)) == "sort-twice" { self.groups(ranks).collect() } else { vec![2] };
+        let groups = if matches!(class(2), Organisation::SortTwice(_)) {
+            self.groups(ranks).collect()
+        } else {
+            vec![2]
+        };
         let of_group = |group: usize| {
             let all = self.divisions(class(group), ranks).into_iter();
             let few = all.filter(|d| d.1 == Assignment::Interleaved && d.0.is_none_or(|edge| edge == FEW));

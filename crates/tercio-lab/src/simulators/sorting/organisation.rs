@@ -12,7 +12,9 @@ use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};
 use super::regions::{Assignment, Regions};
 use super::simd::{self, Simd};
-use crate::machines::{Control, DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
+use crate::machines::{
+    Control, DataKind, Delivery, Machine, MachineError, Operation, Packing, SortingClass, Sourced,
+};
 use crate::simulators::ring::AlgorithmError;
 use crate::units::Bytes;
 use crate::workloads::{BoxScene, PixelBox};
@@ -33,6 +35,16 @@ pub enum Organisation {
 }
 
 impl Organisation {
+    /// Its class, whatever the size of groups.
+    pub fn class(self) -> SortingClass {
+        match self {
+            Self::SortFirst => SortingClass::SortFirst,
+            Self::SortMiddle => SortingClass::SortMiddle,
+            Self::SortLast => SortingClass::SortLast,
+            Self::SortTwice(_) => SortingClass::SortTwice,
+        }
+    }
+
     /// Are pictures of several processors merged?
     pub fn composites(self) -> bool {
         matches!(self, Self::SortLast | Self::SortTwice(_))

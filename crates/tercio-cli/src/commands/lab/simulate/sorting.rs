@@ -190,10 +190,8 @@ fn uncharged(runs: &[((Organisation, Setting), SortReport)]) -> Vec<&'static str
 /// An organisation, with the size of its groups.
 fn name(organisation: Organisation) -> String {
     match organisation {
-        Organisation::SortFirst => "sort-first".into(),
-        Organisation::SortMiddle => "sort-middle".into(),
-        Organisation::SortLast => "sort-last".into(),
-        Organisation::SortTwice(group) => format!("sort-twice {group}"),
+        Organisation::SortTwice(group) => format!("{} {group}", organisation.class().name()),
+        _ => organisation.class().name().into(),
     }
 }
 

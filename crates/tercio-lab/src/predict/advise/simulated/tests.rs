@@ -35,7 +35,7 @@ fn the_first_is_the_fastest_and_the_others_are_explained() {
     assert!(lines[1].contains("1 to 16 processors and powers of two up to 64, with regions as large as possible and of 1, 2, 4, 8, 16"), "{lines:?}");
 }
 
-/// Only what applies is told.
+/// The explanation mentions only what applies to so few processors.
 #[test]
 fn few_processors_are_explained_in_few_words() {
     let machine = builtin("cluster-64").unwrap().unwrap();

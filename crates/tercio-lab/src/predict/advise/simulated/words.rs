@@ -91,12 +91,7 @@ fn why(best: &SimulatedFrame) -> String {
 
 /// The class of an organisation.
 pub(super) fn name(organisation: Organisation) -> &'static str {
-    match organisation {
-        Organisation::SortFirst => "sort-first",
-        Organisation::SortMiddle => "sort-middle",
-        Organisation::SortLast => "sort-last",
-        Organisation::SortTwice(_) => "sort-twice",
-    }
+    organisation.class().name()
 }
 
 /// A plan of the simulator in words.
