@@ -234,6 +234,31 @@ pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S
     }
 }
 
+/// 16 entries of a table of 16. Precondition: indices are from 0 to 15.
+#[inline(always)]
+pub fn lookup_16<S: Simd>(simd: S, table: i32x16<S>, index: i32x16<S>) -> i32x16<S> {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => x86_64::lookup_16_avx512(token, table.into(), index.into()).simd_into(simd),
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => {
+            let ((low, high), (first, last)) = (table.split(), index.split());
+            let of = |index: i32x8<S>| -> i32x8<S> {
+                x86_64::lookup_16_avx2(token, low.into(), high.into(), index.into()).simd_into(simd)
+            };
+            of(first).combine(of(last))
+        }
+        _ => {
+            let (table, index) = (table.to_array(), index.to_array());
+            let mut found = [0; LANES];
+            for lane in 0..LANES {
+                found[lane] = table[index[lane] as usize % LANES];
+            }
+            i32x16::load_array(simd, found)
+        }
+    }
+}
+
 /// 16 entries of a table of 128; indices are taken modulo 128.
 #[inline(always)]
 pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32x16<S> {

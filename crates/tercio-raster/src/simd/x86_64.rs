@@ -75,6 +75,38 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
+    /// Looks up 16 entries of a table of 16 in a register.
+    #[inline]
+    pub fn lookup_16_avx512(
+        avx512: Avx512,
+        table: std::arch::x86_64::__m512i,
+        index: std::arch::x86_64::__m512i,
+    ) -> std::arch::x86_64::__m512i {
+        let _ = avx512;
+        std::arch::x86_64::_mm512_permutexvar_epi32(index, table)
+    }
+);
+
+fearless_simd::kernel!(
+    /// Looks up 8 entries of a table of 16, which is held in two registers.
+    #[inline]
+    pub fn lookup_16_avx2(
+        avx2: Avx2,
+        low: std::arch::x86_64::__m256i,
+        high: std::arch::x86_64::__m256i,
+        index: std::arch::x86_64::__m256i,
+    ) -> std::arch::x86_64::__m256i {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(low, index));
+        let high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(high, index));
+        // The highest bit selects.
+        let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index));
+        _mm256_castps_si256(_mm256_blendv_ps(low, high, is_high))
+    }
+);
+
+fearless_simd::kernel!(
     /// The chosen lanes, moved together to the front.
     #[inline]
     pub fn compress_avx512(

@@ -32,12 +32,6 @@ impl Fragment {
         bytemuck::cast(u64::from(slot) | (pixel as u64 & 0xffff) << 32 | u64::from(covered) << 48)
     }
 
-    /// The fragment of a triangle at a place, which has the samples that are covered in the upper 16 bits.
-    #[inline(always)]
-    pub fn at(slot: i32, place: i32) -> Self {
-        bytemuck::cast(u64::from(slot as u32) | u64::from(place as u32) << 32)
-    }
-
     /// Is it in front of another one at equal depth? It is if its primitive number is lower. Of two pieces of one clipped
     /// triangle, which may overlap after snapping, it is the one whose mask of covered samples is larger.
     pub fn wins_tie(&self, context: &FrameContext, other: &Self) -> bool {

@@ -2,12 +2,13 @@
 //!
 //! A **fragment** is a triangle in a pixel: it is shaded once ([`SampleShading::Pixel`](crate::SampleShading)) or is one
 //! sample of the pixel. Tile memory ([`memory`]) stores the depth of every sample and the number of its fragment.
-//! Triangles of a few pixels are tested 16 at a time ([`scan`]), larger ones are set up 16 at a time and drawn one by one
+//! Triangles of a few pixels are tested 16 at a time ([`few`], [`scan`]), larger ones are set up 16 at a time and drawn one by one
 //! in stamps of 16 samples ([`stamps`]), those that are larger still are set up one by one ([`triangle`]). The fragments
 //! of a cluster are shaded at once, those of triangles that were binned one by one when the tile is finished ([`shade`]).
 //! At last, samples become pixels ([`resolve`]).
 
 mod blend;
+mod few;
 mod fragments;
 mod layers;
 mod load;
@@ -38,6 +39,7 @@ use crate::screen::ScreenTriangle;
 use crate::settings::{LastStage, Part};
 use crate::simd::part;
 use crate::stats::BackEndCounts;
+use few::{FEW, FewHits};
 use memory::SampleMemory;
 use scan::Hits;
 use sink::{Opaque, Sink, Translucent};
@@ -50,6 +52,7 @@ pub struct Scratch {
     pub memory: SampleMemory,
     vertices: LocalVertices,
     sieve: Sieve,
+    few: FewHits,
     hits: Hits,
     found: Found,
     table: ClusterTable,
@@ -250,7 +253,7 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
     scratch: &mut Scratch,
     tally: &mut T,
 ) {
-    let Scratch { memory, vertices, sieve, hits, found, .. } = scratch;
+    let Scratch { memory, vertices, sieve, few, hits, found, .. } = scratch;
     let first_slot = binned.number * MAX_TRIANGLES as u32;
     let origin = context.cells.origin;
     let corners =
@@ -265,13 +268,25 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
             if size != Size::Huge {
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
-                if matches!(size, Size::Tiny | Size::Small) {
-                    let stride_bits = memory.stride_bits;
-                    hits.scan(simd, &context.cells, &triangles, lanes, first_slot, numbers, stride_bits);
+                let is_small = matches!(size, Size::Tiny | Size::Small);
+                let (is_few, stride_bits) = (context.cells.count <= FEW, memory.stride_bits);
+                let one_by_one = match is_small {
+                    true if is_few => lanes & few::beyond(simd, &triangles),
+                    true => 0,
+                    false => lanes,
+                };
+                if is_small && is_few {
+                    let (lanes, is_tiny) = (lanes & !one_by_one, size == Size::Tiny);
+                    few.scan(simd, &context.cells, &triangles, lanes, is_tiny, stride_bits);
+                    few.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
+                } else if is_small {
+                    hits.scan(simd, &context.cells, &triangles, lanes, stride_bits);
                     hits.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
-                } else {
+                }
+                if one_by_one != 0 {
                     let unpacked = Lanes::new(simd, &triangles);
-                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, found, memory, counts);
+                    unpacked
+                        .draw::<S, K>(simd, context, one_by_one, first_slot, numbers, found, memory, counts);
                 }
                 continue;
             }

@@ -1,12 +1,11 @@
-//! Coverage and depth tests of triangles of a few pixels: finds the pixels in which 16 triangles cover samples, then
-//! tests the samples of one triangle in one pixel at a time.
-//!
-//! With at most 4 samples per pixel, their depths are computed for 16 triangles at once, too; with more, for the samples of
-//! one pixel at once, which fill a vector.
+//! Coverage and depth tests of triangles of a few pixels, with 8 or 16 samples per pixel: finds the pixels in which 16 triangles
+//! cover samples, then tests the samples of one triangle in one pixel at a time, which fill a vector. With fewer samples:
+//! [`super::few`].
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, i32x16, mask32x16};
 
+use super::few::pixels;
 use super::memory::SampleMemory;
 use super::sink::Sink;
 use super::write::InPixel;
@@ -14,7 +13,7 @@ use crate::backend::cluster::{Size, SmallTriangles};
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
 use crate::sampling::{MAX_SAMPLES, SampleCells};
-use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat, splat_i, store_interleaved};
+use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat_i};
 use crate::stats::BackEndCounts;
 
 /// The largest number of pixels that 16 triangles can reach.
@@ -22,8 +21,6 @@ const CAPACITY: usize = match Size::Small.max_across() {
     Some(max) => LANES * (max * max) as usize,
     None => 0,
 };
-/// With at most as many samples per pixel as this, their depths are computed with their coverage.
-const FEW: usize = 4;
 /// Lowest bit of the samples that are covered in a word that has the place of the pixel below, as in [`super::fragments::Fragment`].
 const COVERED_SHIFT: u32 = 16;
 /// Lowest bit of the column and of the row of a pixel in the bounding box of its triangle, in a word with the triangle's lane
@@ -36,11 +33,8 @@ const ROW_SHIFT: u32 = 8;
 pub struct Hits {
     /// Place of the pixel, and the samples that the triangle covers, one bit each.
     places: Queue,
-    /// With a few samples per pixel the slot of the triangle, with more its lane and the pixel's column and row in its bounding
-    /// box.
+    /// Lane of the triangle, and the pixel's column and row in its bounding box.
     triangles: Queue,
-    /// With a few samples per pixel their depths, as the bits of an `f32`: NaN where they are not covered.
-    depths: [Queue; FEW],
     count: usize,
     /// Increments of the edge functions from the first cell of a pixel to the cells of its samples, by lane; valid for the
     /// samples that a pixel has.
@@ -54,15 +48,13 @@ impl Default for Hits {
     fn default() -> Self {
         let zero = [0; CAPACITY + LANES];
         let to_sample = [[[0; LANES]; 3]; MAX_SAMPLES];
-        Self { places: zero, triangles: zero, depths: [zero; FEW], count: 0, to_sample }
+        Self { places: zero, triangles: zero, count: 0, to_sample }
     }
 }
 
 impl Hits {
-    /// Finds the pixels in which the triangles in some lanes cover samples. `first_slot` is the slot of the cluster's first
-    /// triangle, `numbers` are the triangles' numbers in the cluster, and rows of pixels are `1 << stride_bits` apart. Not
+    /// Finds the pixels in which the triangles in some lanes cover samples. Rows of pixels are `1 << stride_bits` apart. Not
     /// inlined, so that it is compiled only once per SIMD level.
-    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(never)]
     pub fn scan<S: Simd>(
         &mut self,
@@ -70,111 +62,16 @@ impl Hits {
         cells: &SampleCells,
         t: &SmallTriangles<S>,
         lanes: u32,
-        first_slot: u32,
-        numbers: &[u8; LANES],
         stride_bits: u32,
     ) {
-        self.count = 0;
         simd.vectorize(
             #[inline(always)]
-            || {
-                let mut slots = [0; LANES];
-                for lane in 0..LANES {
-                    slots[lane] = (first_slot + u32::from(numbers[lane])) as i32;
-                }
-                if cells.count <= FEW {
-                    self.scan_few(simd, cells, t, lanes, &slots, stride_bits);
-                } else {
-                    self.scan_many(simd, cells, t, lanes, stride_bits);
-                }
-            },
+            || self.scan_pixels(simd, cells, t, lanes, stride_bits),
         );
     }
 
-    /// With a few samples per pixel: finds their depths, too.
     #[inline(always)]
-    fn scan_few<S: Simd>(
-        &mut self,
-        simd: S,
-        cells: &SampleCells,
-        t: &SmallTriangles<S>,
-        lanes: u32,
-        slots: &[i32; LANES],
-        stride_bits: u32,
-    ) {
-        let Self { places, triangles, depths, .. } = self;
-        let count = &mut 0;
-        part(
-            simd,
-            #[inline(always)]
-            || {
-                let all = splat_i(simd, cells.mask() as i32);
-                let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-                let [across, down_to] = pixels(simd, t, lanes);
-                // Whether a triangle of a few pixels covers one of them cannot be predicted.
-                let is_tiny = across.max(down_to) <= 2;
-                let slots = i32x16::load_array_ref(simd, slots);
-                // What does not exist of four samples is found to be covered as the first cell, and left out.
-                let mut to_sample = [[splat_i(simd, 0); 3]; FEW];
-                let mut offset = [[0; 2]; FEW];
-                for sample in 0..FEW {
-                    let [x, y] = cells.cells[sample];
-                    to_sample[sample] = each3!(K => t.a[K] * x + t.b[K] * y);
-                    offset[sample] = [x << cells.pitch_bits, y << cells.pitch_bits];
-                }
-                let bits = cells.cell_bits();
-                let right = each3!(K => t.a[K] << bits);
-                let down = each3!(K => t.b[K] << bits);
-                let mut row_start = (t.first[1] << stride_bits) + t.first[0];
-                let (mut at_row, mut dy) = (t.c, t.from_anchor[1]);
-                for row in 0..down_to {
-                    let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                    let mut along_y = [splat(simd, 0.0); FEW];
-                    for sample in 0..FEW {
-                        along_y[sample] = (dy + offset[sample][1]).to_float::<f32x16<S>>() * t.slope[1];
-                    }
-                    let (mut place, mut e, mut dx) = (row_start, at_row, t.from_anchor[0]);
-                    for column in 0..across {
-                        let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
-                        let mut outside = splat_i(simd, 0);
-                        let mut signs = [outside; FEW];
-                        for sample in 0..FEW {
-                            let at = each3!(K => e[K] + to_sample[sample][K]);
-                            // All bits of a negative number, shifted, are set.
-                            signs[sample] = ((at[0] | at[1]) | at[2]) >> 31;
-                            outside |= signs[sample] & (1 << sample);
-                        }
-                        let covered = (outside & all) ^ all;
-                        let hits = in_box & covered.simd_gt(splat_i(simd, 0));
-                        let hits = hits.to_bitmask() as u32 & 0xffff;
-                        if is_tiny || hits != 0 {
-                            append(simd, places, *count, hits, place | (covered << COVERED_SHIFT));
-                            append(simd, triangles, *count, hits, slots);
-                            for sample in 0..FEW {
-                                let along_x = (dx + offset[sample][0]).to_float::<f32x16<S>>() * t.slope[0];
-                                let depth = ((along_x + along_y[sample]) + t.base).max(t.base).min(t.nearest);
-                                // With all bits set it is NaN.
-                                let depth = depth.bitcast::<i32x16<S>>() | signs[sample];
-                                append(simd, &mut depths[sample], *count, hits, depth);
-                            }
-                            *count += hits.count_ones() as usize;
-                        }
-                        e = each3!(K => e[K] + right[K]);
-                        dx += SUBPIXELS;
-                        place += 1;
-                    }
-                    at_row = each3!(K => at_row[K] + down[K]);
-                    dy += SUBPIXELS;
-                    row_start += 1 << stride_bits;
-                }
-            },
-        );
-        self.count = *count;
-    }
-
-    /// With more samples per pixel.
-    #[inline(always)]
-    fn scan_many<S: Simd>(
+    fn scan_pixels<S: Simd>(
         &mut self,
         simd: S,
         cells: &SampleCells,
@@ -190,8 +87,8 @@ impl Hits {
             || {
                 let zero = splat_i(simd, 0);
                 let all = splat_i(simd, cells.mask() as i32);
-                let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
                 let [across, down_to] = pixels(simd, t, lanes);
+                let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
                 // Whether a triangle of a few pixels covers one of them cannot be predicted.
                 let is_tiny = across.max(down_to) <= 2;
                 let to_sample = &mut to_sample[..cells.count];
@@ -262,10 +159,6 @@ impl Hits {
         if self.count == 0 {
             return;
         }
-        if context.cells.count <= FEW {
-            self.test_few::<S, K>(simd, context, memory, counts);
-            return;
-        }
         let from_anchor = [t.from_anchor[0].to_array(), t.from_anchor[1].to_array()];
         let slope = [t.slope[0].to_array(), t.slope[1].to_array()];
         let (base, nearest) = (t.base.to_array(), t.nearest.to_array());
@@ -294,53 +187,4 @@ impl Hits {
         }
         counts.samples_covered += u64::from(samples_covered);
     }
-
-    /// [`Hits::test`] with a few samples per pixel.
-    #[inline(always)]
-    fn test_few<S: Simd, K: Sink>(
-        &self,
-        simd: S,
-        context: &FrameContext,
-        memory: &mut SampleMemory,
-        counts: &mut BackEndCounts,
-    ) {
-        let mut samples_covered = 0;
-        for first in (0..self.count).step_by(LANES) {
-            let mut depths = [[0.0; FEW]; LANES];
-            part(
-                simd,
-                #[inline(always)]
-                || {
-                    let mut of_sample = [splat(simd, f32::NAN); FEW];
-                    for (to, from) in of_sample.iter_mut().zip(&self.depths).take(context.cells.count) {
-                        *to = i32x16::from_slice(simd, &from[first..first + LANES]).bitcast();
-                    }
-                    store_interleaved(of_sample, &mut depths);
-                },
-            );
-            let last = (first + LANES).min(self.count);
-            let (places, slots) = (&self.places[first..last], &self.triangles[first..last]);
-            for &place in places {
-                samples_covered += (place as u32 >> COVERED_SHIFT).count_ones();
-            }
-            K::in_small_pixels(memory, simd, context, places, slots, &depths);
-        }
-        counts.samples_covered += u64::from(samples_covered);
-    }
-}
-
-/// The largest numbers of pixels across and down in the boxes of the triangles in some lanes.
-#[inline(always)]
-fn pixels<S: Simd>(simd: S, t: &SmallTriangles<S>, lanes: mask32x16<S>) -> [i32; 2] {
-    const MOST: i32 = match Size::Small.max_across() {
-        Some(max) => max,
-        None => 0,
-    };
-    let mut pixels = [1, 1];
-    for (pixels, extent) in pixels.iter_mut().zip(t.extent) {
-        for more in 1..MOST {
-            *pixels += i32::from((lanes & extent.simd_ge(splat_i(simd, more))).any_true());
-        }
-    }
-    pixels
 }

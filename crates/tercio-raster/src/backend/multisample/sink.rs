@@ -14,15 +14,13 @@ pub trait Sink {
     /// Are triangles drawn that may not be opaque?
     const LAYERS: bool;
 
-    /// Tests the depths of at most 16 triangles in one pixel each, of at most 4 samples: the places of the pixels with the
-    /// samples that are covered in the upper 16 bits, the slots of the triangles and their depths, NaN at other samples than
+    /// Tests the depths of at most 16 triangles in one pixel each, of at most 4 samples; depths are NaN at other samples than
     /// those that they cover.
     fn in_small_pixels<S: Simd>(
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        places: &[i32],
-        slots: &[i32],
+        new: &[Fragment],
         depths: &[[f32; 4]; LANES],
     );
 
@@ -62,11 +60,10 @@ impl Sink for Opaque {
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        places: &[i32],
-        slots: &[i32],
+        new: &[Fragment],
         depths: &[[f32; 4]; LANES],
     ) {
-        memory.write_few(simd, context, places, slots, depths);
+        memory.write_few(simd, context, new, depths);
     }
 
     #[inline(always)]
@@ -179,12 +176,10 @@ impl Sink for Translucent {
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        places: &[i32],
-        slots: &[i32],
+        new: &[Fragment],
         depths: &[[f32; 4]; LANES],
     ) {
-        for ((&place, &slot), depths) in places.iter().zip(slots).zip(depths) {
-            let new = Fragment::at(slot, place);
+        for (&new, depths) in new.iter().zip(depths) {
             let front = in_front_4(memory, simd, context, new, f32x4::load_array_ref(simd, depths));
             add(memory, context, new, front, depths);
         }

@@ -74,33 +74,30 @@ impl SampleMemory {
     write_pixel!(write_8, 8, f32x8, u32x8, mask32x8);
     write_pixel!(write_16, 16, f32x16, u32x16, mask32x16);
 
-    /// [`SampleMemory::write_4`] in at most 16 pixels, one after another: their places with the samples that are covered in
-    /// the upper 16 bits, the slots of their triangles and the depths of their samples.
+    /// [`SampleMemory::write_4`] in at most 16 pixels, one after another.
     #[inline(always)]
     pub fn write_few<S: Simd>(
         &mut self,
         simd: S,
         context: &FrameContext,
-        places: &[i32],
-        slots: &[i32],
+        new: &[Fragment],
         depths: &[[f32; 4]; LANES],
     ) {
         self.list.reserve_pixels();
-        let found = places.iter().zip(slots).zip(depths);
         if self.is_by_sample {
-            for ((&place, &slot), depths) in found {
-                let new = Fragment::at(slot, place);
+            for (&new, depths) in new.iter().zip(depths) {
                 self.write_4(simd, context, new, f32x4::load_array_ref(simd, depths));
             }
             return;
         }
         // Borrowed once, so that they stay in registers: otherwise every store could change them.
         let Self { depth, fragment, list, count_bits, .. } = self;
-        let (depth_of, fragment_of, count_bits) = (&mut depth[..], &mut fragment[..], *count_bits);
-        let (fragments, mut count) = (&mut list.fragments[..], list.count);
-        for ((&place, &slot), depths) in found {
-            let first = (place as usize & 0xffff) << count_bits;
-            let new = Fragment::at(slot, place);
+        // At most 4; the compiler learns that places do not overflow.
+        let (depth_of, count_bits) = (&mut depth[..], *count_bits & 7);
+        let fragment_of = &mut fragment[..depth_of.len()];
+        let mut count = list.count;
+        for (&new, depths) in new.iter().zip(depths) {
+            let first = usize::from(new.pixel) << count_bits;
             part(
                 simd,
                 #[inline(always)]
@@ -113,13 +110,13 @@ impl SampleMemory {
                     let tie = depth.simd_eq(before);
                     if tie.any_true() {
                         let ties = tie.to_bitmask() as u32 & 15;
-                        let more = tie_winners(context, ties, |_| new, old, fragments);
+                        let more = tie_winners(context, ties, |_| new, old, &list.fragments);
                         wins |= mask32x4::from_bitmask(simd, u64::from(more));
                     }
                     wins.select(depth, before).store_slice(old_depth);
                     let number = u32x4::splat(simd, count as u32);
                     wins.select(number, u32x4::from_slice(simd, old)).store_slice(old);
-                    fragments[count] = new;
+                    list.fragments[count] = new;
                     count += usize::from(wins.any_true());
                 },
             );
