@@ -146,11 +146,9 @@ impl ClusterTable {
                 }
             }
             (ColorSource::Data, Some(data)) => {
-                let mut values = [0.0; MAX_TRIANGLES];
-                data.read(&of.instance.mesh, of.number, &of.cluster, &mut values);
-                let count = if data.is_at_triangles() { MAX_TRIANGLES } else { MAX_VERTICES };
-                for (to, value) in self.color.as_flattened_mut().iter_mut().zip(&values[..count]) {
-                    *to = value.to_bits() as i32;
+                let values: &mut [f32] = bytemuck::cast_slice_mut(self.color.as_flattened_mut());
+                if let Some(values) = values.first_chunk_mut() {
+                    data.read(&of.instance.mesh, of.number, &of.cluster, values);
                 }
             }
             _ => {}
