@@ -160,6 +160,16 @@ pub enum Pixels<'a> {
     Sixteen(Cow<'a, [[u16; 4]]>),
 }
 
+impl Pixels<'_> {
+    /// The number of pixels.
+    fn len(&self) -> usize {
+        match self {
+            Self::Eight(pixels) => pixels.len(),
+            Self::Sixteen(pixels) => pixels.len(),
+        }
+    }
+}
+
 /// A picture in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture<'a> {
