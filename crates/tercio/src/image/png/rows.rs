@@ -6,8 +6,10 @@ use super::deflate::{Block, Content, Counts, Written, checksum};
 
 /// The rows of a band, which is a block with a code of its own. Bands do not depend on the number of threads.
 const BAND: usize = 256;
-/// One of so many rows is counted for the code of its band. A number that is no multiple of what repeats in pictures.
+/// One of so many rows is counted for the code of its band: no multiple of what repeats in pictures. More are where rows are short: one
+/// of the number of [`PIXELS_COUNTED`] that a band has.
 const COUNTED: usize = 13;
+const PIXELS_COUNTED: usize = 1 << 15;
 /// Pixels that are either the same as those above them, all of them, or written one by one. Shorter runs of zeros take few bits as bytes.
 const CHUNK: usize = 16;
 /// The filter of the first row: the difference from the pixel to the left.
@@ -148,7 +150,8 @@ fn compress_band<L: Layout>(
     let rows: Vec<_> = pixels.chunks_exact(width).zip(befores).collect();
     let mut counts = Counts::default();
     let mut bytes = vec![0; (width + CHUNK) * L::BYTES];
-    for &(row, (filter, above)) in rows.iter().rev().step_by(COUNTED) {
+    let step = (pixels.len() / PIXELS_COUNTED).clamp(1, COUNTED);
+    for &(row, (filter, above)) in rows.iter().rev().step_by(step) {
         bytes[0] = filter;
         add_row::<L>(row, above, &mut bytes, &mut counts);
     }
@@ -170,26 +173,21 @@ fn add_row<L: Layout>(
     bytes: &mut [u8],
     content: &mut impl Content,
 ) -> bool {
-    // The bytes and the zeros that are not added yet: never both.
-    let (mut written, mut zeros) = (1, 0);
+    // The zeros that are not added yet, and the bytes after them; zeros at the ends of these are added as zeros, too.
+    let (mut zeros, mut written) = (0, 1);
     let mut add = |chunk: &[L::Pixel; CHUNK], above: &[L::Pixel; CHUNK], length: usize| {
-        let mut is_held = true;
         // Without leaving at the first difference, so that this is vectorised.
         let is_same = chunk.iter().zip(above).fold(true, |all, (a, b)| all & (a == b));
         if is_same {
             if written > 0 {
-                content.bytes(&bytes[..written]);
+                zeros = add_bytes(zeros, &bytes[..written], content);
                 written = 0;
             }
             zeros += length;
-        } else {
-            if zeros > 0 {
-                content.zeros(zeros);
-                zeros = 0;
-            }
-            is_held = L::filter(chunk, above, &mut bytes[written..][..CHUNK * L::BYTES]);
-            written += length;
+            return true;
         }
+        let is_held = L::filter(chunk, above, &mut bytes[written..][..CHUNK * L::BYTES]);
+        written += length;
         is_held
     };
     let ((chunks, rest), (above, rest_above)) = (row.as_chunks(), above.as_chunks());
@@ -206,13 +204,24 @@ fn add_row<L: Layout>(
             return false;
         }
     }
-    if written > 0 {
-        content.bytes(&bytes[..written]);
-    }
+    let zeros = add_bytes(zeros, &bytes[..written], content);
     if zeros > 0 {
         content.zeros(zeros);
     }
     true
+}
+
+/// Adds zeros and the bytes after them, but for the zeros at the end of these, whose number is returned.
+fn add_bytes(zeros: usize, bytes: &[u8], content: &mut impl Content) -> usize {
+    let Some(last) = bytes.iter().rposition(|&byte| byte != 0) else { return zeros + bytes.len() };
+    if zeros > 0 {
+        let first = bytes.iter().position(|&byte| byte != 0).unwrap_or_default();
+        content.zeros(zeros + first);
+        content.bytes(&bytes[first..=last]);
+    } else {
+        content.bytes(&bytes[..=last]);
+    }
+    bytes.len() - last - 1
 }
 
 #[cfg(test)]
