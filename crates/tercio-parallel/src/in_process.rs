@@ -41,7 +41,7 @@ pub fn draw_frames(
     settings: &Settings,
     picture: impl Fn(usize, &mut Frame) + Sync,
 ) -> Result<Vec<FrameReport>, ParallelError> {
-    Ok(frames(ranks, scene, cameras, settings, picture, false)?.0)
+    Ok(Crew::default().frames(ranks, scene, cameras, settings, picture, false)?.0)
 }
 
 /// [`draw_frames`], and when each rank did what.
@@ -58,10 +58,92 @@ pub fn record_frames(
     settings: &Settings,
     picture: impl Fn(usize, &mut Frame) + Sync,
 ) -> Result<(Vec<FrameReport>, Trace), ParallelError> {
-    frames(ranks, scene, cameras, settings, picture, true)
+    Crew::default().frames(ranks, scene, cameras, settings, picture, true)
+}
+
+/// Ranks of this process, kept from picture to picture with what they remember of the last one, as those of [`draw_frames`] are.
+#[derive(Debug, Default)]
+pub struct Crew {
+    ranks: Vec<Mutex<Rank>>,
+}
+
+impl Crew {
+    /// Draws the next picture; its stats are [`FrameReport::stats`].
+    ///
+    /// # Errors
+    /// As [`draw_frames`].
+    ///
+    /// # Panics
+    /// If there are no ranks.
+    pub fn draw(
+        &mut self,
+        ranks: Ranks,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<(Frame, FrameReport), ParallelError> {
+        let (frame, report, _) = self.picture(ranks, scene, camera, settings, false)?;
+        Ok((frame, report))
+    }
+
+    /// [`Self::draw`], and when each rank did what.
+    ///
+    /// # Errors
+    /// As [`draw_frames`].
+    ///
+    /// # Panics
+    /// If there are no ranks.
+    pub fn record(
+        &mut self,
+        ranks: Ranks,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<(Frame, FrameReport, Trace), ParallelError> {
+        self.picture(ranks, scene, camera, settings, true)
+    }
+
+    fn picture(
+        &mut self,
+        ranks: Ranks,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+        records: bool,
+    ) -> Result<(Frame, FrameReport, Trace), ParallelError> {
+        let drawn = Mutex::new(Frame::default());
+        let keep = |_, frame: &mut Frame| {
+            *drawn.lock().unwrap_or_else(|e| e.into_inner()) = std::mem::take(frame);
+        };
+        let (reports, trace) = self.frames(ranks, scene, &[*camera], settings, keep, records)?;
+        let mut frame = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
+        let Some(report) = reports.into_iter().next() else { unreachable!("one camera makes one frame") };
+        frame.stats = report.stats();
+        Ok((frame, report, trace))
+    }
+
+    fn frames(
+        &mut self,
+        ranks: Ranks,
+        scene: &Scene,
+        cameras: &[Camera],
+        settings: &Settings,
+        picture: impl Fn(usize, &mut Frame) + Sync,
+        records: bool,
+    ) -> Result<(Vec<FrameReport>, Trace), ParallelError> {
+        // After an error the ranks may not remember the same: they are lost then.
+        let mut crew = std::mem::take(&mut self.ranks);
+        if crew.len() != ranks.count {
+            crew = (0..ranks.count).map(|_| Mutex::default()).collect();
+        }
+        let drawn = frames(&crew, ranks, scene, cameras, settings, picture, records)?;
+        self.ranks = crew;
+        Ok(drawn)
+    }
 }
 
 fn frames(
+    crew: &[Mutex<Rank>],
     ranks: Ranks,
     scene: &Scene,
     cameras: &[Camera],
@@ -74,6 +156,7 @@ fn frames(
     let draw = |comm: &mut ThreadComm, own: &mut Rank| {
         let mut frame = Frame::default();
         let mut reports: Vec<(RankReport, Instant, Instant)> = Vec::new();
+        let drawn_before = own.frames();
         for (number, camera) in cameras.iter().enumerate() {
             let mut waiting = Observed::new(comm, Kind::Barrier);
             let number_of_frame = own.frames().wrapping_add(1);
@@ -92,11 +175,15 @@ fn frames(
                 picture(number, &mut frame);
             }
         }
-        Ok((reports, own.take_timeline()))
+        let mut timeline = own.take_timeline();
+        timeline.count_frames_from(drawn_before);
+        Ok((reports, timeline))
     };
     let first = placement::current();
     let drawn = threads::run(ranks.count, |comm| {
-        let mut own = Rank::new();
+        // Nobody else has it.
+        let mut own = crew[comm.rank()].lock().unwrap_or_else(|e| e.into_inner());
+        let own: &mut Rank = &mut own;
         if records {
             own.record();
         }
@@ -106,7 +193,7 @@ fn frames(
         let own_first = first + comm.rank() * threads;
         let pool = placement::spread(ThreadPoolBuilder::new().num_threads(threads), own_first).build();
         let pool = pool.map_err(|source| ParallelError::Threads { threads, source })?;
-        pool.install(|| draw(comm, &mut own))
+        pool.install(|| draw(comm, own))
     })?;
     let (reports, timelines): (Vec<_>, Vec<Timeline>) = drawn.into_iter().unzip();
     // Transpose: from a list per rank to a list per frame.
@@ -137,40 +224,5 @@ pub fn draw(
     camera: &Camera,
     settings: &Settings,
 ) -> Result<(Frame, FrameReport), ParallelError> {
-    let (frame, report, _) = picture(ranks, scene, camera, settings, false)?;
-    Ok((frame, report))
-}
-
-/// [`draw`], and when each rank did what.
-///
-/// # Errors
-/// As [`draw_frames`].
-///
-/// # Panics
-/// If there are no ranks.
-pub fn record(
-    ranks: Ranks,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-) -> Result<(Frame, FrameReport, Trace), ParallelError> {
-    picture(ranks, scene, camera, settings, true)
-}
-
-fn picture(
-    ranks: Ranks,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    records: bool,
-) -> Result<(Frame, FrameReport, Trace), ParallelError> {
-    let drawn = Mutex::new(Frame::default());
-    let keep = |_, frame: &mut Frame| {
-        *drawn.lock().unwrap_or_else(|e| e.into_inner()) = std::mem::take(frame);
-    };
-    let (reports, trace) = frames(ranks, scene, &[*camera], settings, keep, records)?;
-    let mut frame = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
-    let Some(report) = reports.into_iter().next() else { unreachable!("one camera makes one frame") };
-    frame.stats = report.stats();
-    Ok((frame, report, trace))
+    Crew::default().draw(ranks, scene, camera, settings)
 }

@@ -139,6 +139,13 @@ pub struct RankReport {
     /// Bytes of clusters sent to other ranks of its group; only if models are in parts and the group has other ranks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cluster_bytes: Option<u64>,
+    /// Clusters that migrated: these were sent to other ranks of its group, each to as many as need it and do not have it. There where
+    /// [`Self::cluster_bytes`] is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters_sent: Option<u64>,
+    /// Clusters that were not sent to other ranks of its group, because these have them since the last frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clusters_kept: Option<u64>,
     /// Counts of pixels.
     pub pixels: RankPixels,
     /// Counts of messages.

@@ -89,6 +89,13 @@ impl Timeline {
         self.events.push(Event { step, frame, span });
     }
 
+    /// Counts frames from the one after this one.
+    pub(crate) fn count_frames_from(&mut self, drawn_before: u32) {
+        for event in self.events.iter_mut().filter(|event| event.frame > 0) {
+            event.frame = event.frame.wrapping_sub(drawn_before);
+        }
+    }
+
     /// Moves the clock of all events back by this many nanoseconds.
     pub(crate) fn shift(&mut self, back: i64) {
         for Event { span, .. } in &mut self.events {

@@ -181,7 +181,8 @@ fn what_ranks_do_when_is_recorded_on_request() {
     // In one process there is nothing to agree on or to report.
     let (scene, camera) = made();
     let ranks = Ranks { count: 2, threads: 1, sharing: Organisation::SortFirst.into() };
-    let (frame, report, trace) = in_process::record(ranks, &scene, &camera, &settings).expect("a picture");
+    let (frame, report, trace) =
+        in_process::Crew::default().record(ranks, &scene, &camera, &settings).expect("a picture");
     let (expected, not_recorded) = in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
     assert!(frame.planes.color == expected.planes.color);
     assert_eq!(counts(report), counts(not_recorded));

@@ -165,6 +165,12 @@ impl Renderer {
         self.draw_tiles::<BackEndCounts>(context, sorted, tiles, frame);
     }
 
+    /// The tiles that the last call of [`Renderer::draw`] or [`Renderer::render`] drew, in any order, and the
+    /// [work](BackEndCounts::work) in each.
+    pub fn work_of_tiles(&mut self) -> impl Iterator<Item = (u32, u64)> {
+        self.scratch.iter_mut().flat_map(|scratch| of(scratch).drawn.iter().copied())
+    }
+
     /// Fills a set of the frame's tiles with the background. The pixels of other tiles keep their values.
     ///
     /// # Panics
@@ -227,6 +233,7 @@ impl Renderer {
         if self.scratch.len() < memories {
             self.scratch.resize_with(memories, Mutex::default);
         }
+        self.scratch.iter_mut().for_each(|scratch| of(scratch).drawn.clear());
         let settings = context.settings;
         let count = settings.elements_per_pixel();
         let needs_linear = context.has_fragments() || settings.outputs.linear;
@@ -265,6 +272,11 @@ impl Frame {
         let outputs = if settings.keep_fragments { Outputs::NONE } else { settings.outputs };
         self.planes.resize(&outputs, self.width as usize * self.height as usize);
     }
+}
+
+/// The memory behind a lock that nobody else has.
+fn of(scratch: &mut Mutex<Scratch>) -> &mut Scratch {
+    scratch.get_mut().unwrap_or_else(|e| e.into_inner())
 }
 
 /// A tally that tiles can be drawn with.
@@ -341,8 +353,11 @@ impl Tiles<'_> {
             let heavy = |tile: &u32| fill(*tile) > MIN_SHARED_ENTRIES.max(work / workers as u64);
             (shared, alone) = alone.into_iter().partition(heavy);
         }
-        let tallies =
-            shared.into_iter().map(|tile| self.draw_shared::<T>(tile, scratch).into_frame(tile, true));
+        let tallies = shared.into_iter().map(|tile| {
+            let mut tally = self.draw_shared::<T>(tile, scratch);
+            of(&mut scratch[0]).drawn.push((tile, tally.counts().work()));
+            tally.into_frame(tile, true)
+        });
         let tallies = tallies.fold(T::Frame::default(), T::join);
         let scratch = &*scratch;
         let drawn_alone = in_order(alone, fill, workers)
@@ -352,7 +367,9 @@ impl Tiles<'_> {
                 let own = rayon::current_thread_index().unwrap_or(0);
                 // A thread that draws a tile does nothing else meanwhile, so the lock is free.
                 let mut scratch = scratch[own % scratch.len()].lock().unwrap_or_else(|e| e.into_inner());
-                self.draw_tile::<T>(tile, Stage::Whole, &mut scratch).into_frame(tile, false)
+                let mut tally = self.draw_tile::<T>(tile, Stage::Whole, &mut scratch);
+                scratch.drawn.push((tile, tally.counts().work()));
+                tally.into_frame(tile, false)
             })
             .reduce(T::Frame::default, T::join);
         T::join(drawn_alone, tallies)
@@ -361,29 +378,24 @@ impl Tiles<'_> {
     /// Draws one tile with all workers: each draws a share of the entries into a tile memory of its own. At most as
     /// many shares are drawn at a time as there are tile memories.
     fn draw_shared<T: DrawTile>(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> T {
-        let of = self.context.workers;
+        let workers = self.context.workers;
         let (mut tally, mut drawn) = (T::default(), 0);
-        while drawn < of {
+        while drawn < workers {
             // From the second round on, the first memory holds the merged result of the rounds before.
             let free = &mut scratch[usize::from(drawn > 0)..];
-            let count = free.len().min(of - drawn);
+            let count = free.len().min(workers - drawn);
             let shares = free[..count].par_iter_mut().enumerate().with_max_len(1).map(|(i, scratch)| {
-                let scratch = scratch.get_mut().unwrap_or_else(|e| e.into_inner());
-                self.draw_tile::<T>(
-                    tile,
-                    Stage::Part(Part { number: (drawn + i) as u32, of: of as u32 }),
-                    scratch,
-                )
+                let part = Part { number: (drawn + i) as u32, of: workers as u32 };
+                self.draw_tile::<T>(tile, Stage::Part(part), of(scratch))
             });
             tally = tally.plus(shares.reduce(T::default, T::plus));
             let used = usize::from(drawn > 0) + count;
             drawn += count;
-            let mut parts =
-                scratch[..used].iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
+            let mut parts = scratch[..used].iter_mut().map(of);
             let Some(first) = parts.next() else { unreachable!("a pool has at least one thread") };
             parts.for_each(|part| first.merge(self.context, part));
         }
-        let first = scratch[0].get_mut().unwrap_or_else(|e| e.into_inner());
+        let first = of(&mut scratch[0]);
         tally.plus(self.draw_tile(tile, Stage::Finish, first))
     }
 

@@ -45,6 +45,8 @@ pub enum DivisionName {
     Columns,
     /// Compact parts, with about the same work.
     Blocks,
+    /// Compact regions between cuts that move from picture to picture, by the work that each tile was in the last one.
+    Adaptive,
 }
 
 /// How the pictures of ranks are composited.
@@ -284,6 +286,7 @@ impl DivisionName {
             Self::Rows => Division::Rows,
             Self::Columns => Division::Columns,
             Self::Blocks => Division::Blocks,
+            Self::Adaptive => Division::Adaptive,
         }
     }
 }

@@ -154,6 +154,35 @@ impl<'a> Assembly<'a> {
         Ok(())
     }
 
+    /// Adds clusters of a mesh that was put together before, for a part of the same model. All of them are checked again.
+    ///
+    /// # Errors
+    /// [`TransferError::Cluster`] if the part's clusters store something else now; [`TransferError::TooLarge`]. Some of the clusters
+    /// are added then.
+    ///
+    /// # Panics
+    /// If there is no such cluster.
+    pub fn keep(
+        &mut self,
+        mesh: &ClusteredMesh,
+        clusters: impl IntoIterator<Item = usize>,
+    ) -> Result<(), TransferError> {
+        for cluster in clusters {
+            if mesh.layout != self.part.layout || mesh.face_of_slot.is_some() != self.faces.is_some() {
+                let expected = "what the clusters of the part store";
+                return Err(TransferError::Cluster { cluster: self.heads.len(), expected });
+            }
+            self.lines.extend_from_slice(mesh.stretch(cluster));
+            self.heads.push(mesh.clusters[cluster]);
+            self.starts.push(u32::try_from(self.lines.len()).map_err(|_| TransferError::TooLarge)?);
+            if let Some(faces) = &mesh.face_of_slot {
+                let first = cluster * MAX_TRIANGLES;
+                self.face_of_slot.extend_from_slice(&faces[first..first + MAX_TRIANGLES]);
+            }
+        }
+        Ok(())
+    }
+
     /// The mesh of all clusters, a part of the same model. Its primitives have their numbers in the whole model, and so have its
     /// faces if their numbers were read.
     ///

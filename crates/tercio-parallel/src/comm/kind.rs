@@ -15,7 +15,7 @@ pub enum Kind {
     Barrier,
     /// In which tiles a rank may have drawn something.
     Touched,
-    /// Estimates of the work in each tile, of models in parts.
+    /// The work in each tile: estimates, of models in parts, or what was counted in the last frame, for adaptive divisions.
     Load,
     /// Clusters of models in parts, for the owners of tiles.
     Clusters,
@@ -65,7 +65,7 @@ impl Kind {
             Self::Agreement => "agreement",
             Self::Barrier => "barrier",
             Self::Touched => "touched tiles",
-            Self::Load => "estimates",
+            Self::Load => "work in tiles",
             Self::Clusters => "clusters",
             Self::Bins => "bins",
             Self::Round => "round",

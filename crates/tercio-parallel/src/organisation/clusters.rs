@@ -1,6 +1,9 @@
-//! Clusters of models in parts, sent to the ranks of the group that draw the tiles they reach.
+//! Clusters of models in parts, sent to the ranks of the group that draw the tiles they reach, unless these have them since the last
+//! frame.
 //!
-//! A message has a section for each instance of the scene: the number of its bytes (8 bytes, little-endian), then its clusters
+//! A message has a section for each instance of the scene: the number of bytes of its clusters and the number of the sender's clusters
+//! that the receiver has (8 bytes each, little-endian; none if the sender's part is another one than in the last frame), for each of these a bit
+//! that says whether it is kept (in whole bytes, the lowest first), then the new clusters
 //! ([`tercio_mesh::cluster::write_clusters`]), with the numbers of their faces if ids are drawn.
 
 use std::sync::Arc;
@@ -10,17 +13,18 @@ use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
 use tercio_scene::{Instance, Scene, Share};
 
+use super::held::{Held, Kept, Migration};
 use super::redistribute::tiles_of_owners;
 use crate::comm::{CommError, Communicator, Group};
 use crate::parts::PartsError;
 use crate::{ParallelError, RankReport};
 
-/// Bytes before the clusters of an instance.
-const SECTION_HEAD: usize = size_of::<u64>();
+/// Bytes before what is said of an instance.
+const SECTION_HEAD: usize = 2 * size_of::<u64>();
 
 /// Exchanges clusters between the ranks of a group, each of which has sorted those of its own parts into all tiles: returns the
 /// scene with the clusters of all of them that may reach this rank's tiles. Their primitives and faces have their numbers in the
-/// whole models. `owners` has the owner of each tile, a rank of the group.
+/// whole models. `owners` has the owner of each tile, a rank of the group; `held` is of the same group.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Clusters`], [`PartsError::Whole`].
@@ -29,6 +33,7 @@ pub fn exchange(
     owners: &[u32],
     context: &FrameContext,
     sorted: &Sorted,
+    held: &mut Held,
     report: &mut RankReport,
 ) -> Result<Scene, ParallelError> {
     let (scene, has_faces) = (context.scene, context.settings.outputs.ids);
@@ -37,29 +42,32 @@ pub fn exchange(
     let rank = group.outer_rank(own);
     let tiles = tiles_of_owners(owners, count);
     let stages = &mut report.stages;
-    let mut write = |tiles: &[u32], message: &mut Vec<u8>| {
+    let mut write = |to: usize, message: &mut Vec<u8>| {
         let written = stages
             .redistribute
-            .time(|| write(context, &shares, has_faces, &sorted.clusters_in(tiles), message));
+            .time(|| write(context, &shares, held, to, &sorted.clusters_in(&tiles[to]), message));
         written.map_err(|source| ParallelError::Clusters { from: rank, source })
     };
-    let mut sent = 0;
+    let (mut sent, mut migrated, mut kept) = (0, 0, 0);
     // Every rank begins with the next one, so that no rank gets all messages at once.
     for to in (1..count).map(|step| (own + step) % count) {
         let mut message = group.buffer(to);
-        write(&tiles[to], &mut message)?;
-        sent += message.len() as u64;
+        let [new, had] = write(to, &mut message)?;
+        (sent, migrated, kept) = (sent + message.len() as u64, migrated + new, kept + had);
         group.send(to, message)?;
     }
     let mut of_own = Vec::new();
-    write(&tiles[own], &mut of_own)?;
+    write(own, &mut of_own)?;
     report.cluster_bytes = Some(sent);
+    (report.clusters_sent, report.clusters_kept) = (Some(migrated), Some(kept));
 
+    let earlier = std::mem::take(&mut held.gathered);
     let mut gathered: Vec<Gathered> = Vec::new();
-    for (instance, share) in scene.instances.iter().zip(&shares) {
+    for (number, (instance, share)) in scene.instances.iter().zip(&shares).enumerate() {
         let faces = has_faces.then_some(share.faces);
         let assembly = Assembly::new(&instance.mesh, share.triangles, faces);
-        gathered.push(Gathered { instance, share: *share, assembly, ends: Vec::new() });
+        let earlier = earlier.get(number);
+        gathered.push(Gathered { instance, share: *share, earlier, assembly, ends: Vec::new() });
     }
     let stages = &mut report.stages;
     stages.redistribute.time(|| read(&mut gathered, rank, &of_own))?;
@@ -69,9 +77,12 @@ pub fn exchange(
         stages.redistribute.time(|| read(&mut gathered, group.outer_rank(from), &message))?;
         group.give_back(from, message);
     }
-    let finish = |of: Gathered| of.finish(scene);
-    let instances =
-        stages.redistribute.time(|| gathered.into_iter().map(finish).collect::<Result<_, _>>())?;
+    let mut instances = Vec::new();
+    for of in gathered {
+        let (instance, ends) = stages.redistribute.time(|| of.finish(scene))?;
+        held.gathered.push(Kept { mesh: instance.mesh.clone(), ends });
+        instances.push(instance);
+    }
     Ok(Scene {
         instances,
         lights: scene.lights.clone(),
@@ -86,15 +97,17 @@ pub fn exchange(
 struct Gathered<'a> {
     instance: &'a Instance,
     share: Share,
+    /// What this rank gathered for the last frame.
+    earlier: Option<&'a Kept>,
     assembly: Assembly<'a>,
     /// Each sender, and the number of clusters after its own.
     ends: Vec<(usize, usize)>,
 }
 
 impl Gathered<'_> {
-    /// The instance with the clusters, all of which are checked.
-    fn finish(self, scene: &Scene) -> Result<Instance, ParallelError> {
-        let Self { instance, share, assembly, ends } = self;
+    /// The instance with the clusters, all of which are checked, and whose they are.
+    fn finish(self, scene: &Scene) -> Result<(Instance, Vec<(usize, usize)>), ParallelError> {
+        let Self { instance, share, earlier: _, assembly, ends } = self;
         let wrong = |(cluster, source): (usize, TransferError)| {
             let from = ends.iter().find(|(_, end)| cluster < *end).map_or(0, |(from, _)| *from);
             ParallelError::Clusters { from, source }
@@ -108,7 +121,14 @@ impl Gathered<'_> {
             return Err(wrong((cluster, TransferError::Cluster { cluster, expected })));
         }
         let share = Some(Share { first_triangle: 0, first_face: 0, has_whole_numbers: true, ..share });
-        Ok(Instance { mesh: Arc::new(mesh), materials, share, ..instance.clone() })
+        Ok((Instance { mesh: Arc::new(mesh), materials, share, ..instance.clone() }, ends))
+    }
+
+    /// Adds those of the clusters from a rank that it still needs; the bits say which. There are no others than these.
+    fn keep(&mut self, from: usize, is_kept: impl Iterator<Item = bool>) -> Result<(), TransferError> {
+        let Some(earlier) = self.earlier else { return Ok(()) };
+        let kept = earlier.of(from).zip(is_kept).filter(|(_, is_kept)| *is_kept);
+        self.assembly.keep(&earlier.mesh, kept.map(|(cluster, _)| cluster))
     }
 }
 
@@ -117,43 +137,62 @@ fn shares_of(scene: &Scene) -> Result<Vec<Share>, PartsError> {
     scene.instances.iter().enumerate().map(of_instance).collect()
 }
 
-/// Appends a message of some clusters of the frame, in ascending order.
+/// Appends a message for a rank of the group that needs some clusters of the frame, in ascending order. Returns how many of them it
+/// gets, and how many it has.
 fn write(
     context: &FrameContext,
     shares: &[Share],
-    has_faces: bool,
+    held: &mut Held,
+    to: usize,
     clusters: &[u32],
     out: &mut Vec<u8>,
-) -> Result<(), TransferError> {
-    let mut rest = clusters;
+) -> Result<[u64; 2], TransferError> {
+    let has_faces = context.settings.outputs.ids;
+    let (mut rest, mut counts) = (clusters, [0, 0]);
     for (number, (instance, share)) in context.scene.instances.iter().zip(shares).enumerate() {
         let count = rest.partition_point(|&cluster| context.locate(cluster).0 <= number);
         let (own, behind) = rest.split_at(count);
         rest = behind;
-        let begin = out.len() + SECTION_HEAD;
+        let needed: Vec<u32> = own.iter().map(|&cluster| context.locate(cluster).1 as u32).collect();
+        let Migration { is_kept, new } = held.migrate(number, (instance, *share), to, &needed);
+        counts = [counts[0] + new.len() as u64, counts[1] + (needed.len() - new.len()) as u64];
+        let begin = out.len();
         out.extend([0; SECTION_HEAD]);
-        let own = own.iter().map(|&cluster| context.locate(cluster).1);
+        let byte = |bits: &[bool]| bits.iter().rev().fold(0, |byte: u8, &bit| byte << 1 | u8::from(bit));
+        out.extend(is_kept.chunks(8).map(byte));
+        let first = out.len();
         let first_face = has_faces.then_some(share.first_face);
-        write_clusters(&instance.mesh, own, share.first_triangle, first_face, out)?;
-        let bytes = (out.len() - begin) as u64;
-        out[begin - SECTION_HEAD..begin].copy_from_slice(&bytes.to_le_bytes());
+        let new = new.iter().map(|&cluster| cluster as usize);
+        write_clusters(&instance.mesh, new, share.first_triangle, first_face, out)?;
+        let bytes = (out.len() - first) as u64;
+        let head = [bytes, is_kept.len() as u64].map(u64::to_le_bytes);
+        out[begin..begin + SECTION_HEAD].copy_from_slice(head.as_flattened());
     }
-    Ok(())
+    Ok(counts)
 }
 
-/// Adds the clusters of a message to those of each instance.
+/// Adds the clusters of a message to those of each instance, with those that are kept.
 fn read(gathered: &mut [Gathered], from: usize, message: &[u8]) -> Result<(), ParallelError> {
     let (instances, mut rest) = (gathered.len(), message);
     let wrong = || {
         let reason = format!("{} bytes that are not clusters of {instances} instances", message.len());
         CommError::Transport { rank: from, reason }
     };
-    for Gathered { assembly, ends, .. } in gathered {
-        let (head, behind) = rest.split_first_chunk::<SECTION_HEAD>().ok_or_else(wrong)?;
-        let bytes = usize::try_from(u64::from_le_bytes(*head)).map_err(|_| wrong())?;
+    let number = |bytes: [u8; 8]| usize::try_from(u64::from_le_bytes(bytes)).map_err(|_| wrong());
+    for of in gathered {
+        let (bytes, behind) = rest.split_first_chunk().ok_or_else(wrong)?;
+        let (had, behind) = behind.split_first_chunk().ok_or_else(wrong)?;
+        let (bytes, had) = (number(*bytes)?, number(*had)?);
+        // The sender knows what this rank has of it, or begins anew.
+        if had != 0 && of.earlier.map(|earlier| earlier.of(from).len()) != Some(had) {
+            return Err(wrong().into());
+        }
+        let (bits, behind) = behind.split_at_checked(had.div_ceil(8)).ok_or_else(wrong)?;
         let (clusters, behind) = behind.split_at_checked(bytes).ok_or_else(wrong)?;
-        assembly.read(clusters).map_err(|source| ParallelError::Clusters { from, source })?;
-        ends.push((from, assembly.clusters()));
+        let is_kept = bits.iter().flat_map(|byte| (0..8).map(move |bit| byte >> bit & 1 == 1));
+        of.keep(from, is_kept).map_err(|source| ParallelError::Clusters { from, source })?;
+        of.assembly.read(clusters).map_err(|source| ParallelError::Clusters { from, source })?;
+        of.ends.push((from, of.assembly.clusters()));
         rest = behind;
     }
     if rest.is_empty() { Ok(()) } else { Err(wrong().into()) }

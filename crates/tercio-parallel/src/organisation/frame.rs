@@ -8,15 +8,13 @@ use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
 use tercio_raster::stats::FrontEndCounts;
-use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, Settings, TileSet};
+use tercio_raster::{Frame, FrameStats, Outputs, Part, SampleShading, Settings, TileSet};
 
-use super::clusters;
 use super::collect::{self, Finished};
 use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
-use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
-use crate::comm::collective::all_reduce_arrays;
+use super::{Organisation, Rank, Task, clusters, clusters_of, divided, group_of, is_translucent, tile_edge};
 use crate::comm::{Communicator, Group, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
@@ -60,31 +58,20 @@ fn draw_steps(
 
     // The ranks that share the tiles with this one.
     let members = group_of(sharing.organisation, size, rank);
-    let mut owners = vec![0; tiles];
-    if members.len() > 1 {
-        let stages = &mut report.stages;
-        let needs_load = sharing.division.needs_load();
-        let mut load = Vec::new();
-        if needs_load {
-            load = stages.redistribute.time(|| Renderer::estimate_load(&context));
-        }
-        if needs_load && in_parts {
-            comm.begin(Kind::Load);
-            let mut group = Group::new(comm, members.clone());
-            stages.wait.time(|| all_reduce_arrays(&mut group, &mut load, u64::saturating_add))?;
-        }
-        owners = stages.redistribute.time(|| sharing.division.owners(&context.grid, &load, members.len()));
-    }
+    let owners = divided::owners(own, comm, task, &context, &members, report)?;
     let own_tiles = tiles_of(&owners, rank - members.start);
     // Of models in parts, the clusters of this rank's tiles, which are then sorted into these.
     let gathered;
     let (mut scene, mut counts) = (scene, None);
+    if in_parts {
+        own.held.begin(&members, settings.outputs.ids);
+    }
     if in_parts && members.len() > 1 {
         own.sort(&context, report);
         counts = Some(own.sorted.front_end_counts());
         comm.begin(Kind::Clusters);
         let mut group = Group::new(comm, members.clone());
-        gathered = clusters::exchange(&mut group, &owners, &context, &own.sorted, report)?;
+        gathered = clusters::exchange(&mut group, &owners, &context, &own.sorted, &mut own.held, report)?;
         scene = &gathered;
         context = FrameContext::new(scene, camera, &whole, threads)?;
     }
@@ -199,9 +186,10 @@ impl Rank {
         report: &mut RankReport,
     ) {
         let set = TileSet::from_fn(context.grid.count(), |tile| tiles.binary_search(&tile).is_ok());
-        let Self { renderer, sorted, .. } = self;
+        let Self { renderer, sorted, last_frame, .. } = self;
         let stage = &mut report.stages.draw;
         scope(|_| stage.time(|| renderer.draw(context, sorted, &set, frame)));
+        last_frame.add(renderer.work_of_tiles());
         report.frame = plus(std::mem::take(&mut report.frame), &frame.stats, context.cells.count as u64);
     }
 }

@@ -15,13 +15,15 @@
 //! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
 //!
 //! If models are in [parts], "own clusters" are those that a rank holds. Where ranks of a group share the picture,
-//! each sorts its own clusters into all tiles, and [sends](clusters) those of other owners' tiles; then it goes on as in
-//! sort-first, with the clusters of its own tiles.
+//! each sorts its own clusters into all tiles, and [sends](clusters) those of other owners' tiles that these do not [have](held);
+//! then it goes on as in sort-first, with the clusters of its own tiles.
 
 mod clusters;
 mod collect;
+mod divided;
 pub mod envelope;
 mod frame;
+mod held;
 mod redistribute;
 mod rounds;
 
@@ -41,7 +43,9 @@ use crate::division::Division;
 use crate::parts;
 use crate::report::{RankReport, RankStages};
 use crate::trace::{Span, Step, Timeline, timed};
+use divided::LastFrame;
 use envelope::FrameComm;
+use held::Held;
 
 /// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,6 +143,9 @@ pub struct Rank {
     fragments: Frame,
     /// What it draws from.
     sorted: Sorted,
+    last_frame: LastFrame,
+    /// Of models in parts.
+    held: Held,
     /// The frames so far, modulo 2^32: all ranks draw the same ones.
     frames: u32,
     omits_partners: bool,
@@ -228,6 +235,7 @@ impl Rank {
         let ranks = comm.size();
         self.frames = self.frames.wrapping_add(1);
         if ranks == 1 {
+            self.last_frame.clear();
             self.draw_alone(task, frame, &mut report)?;
         } else {
             let mut framed = FrameComm::new(comm, self.frames, frame_digest(task, ranks));

@@ -1,5 +1,6 @@
 //! Ranks that hold parts of a model draw the bytes that one renderer draws of the whole.
 
+mod kept;
 mod model;
 mod refused;
 

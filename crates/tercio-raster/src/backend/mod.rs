@@ -45,6 +45,8 @@ pub struct Scratch {
     pass: ClusterPass,
     winners: WinnerScratch,
     multisample: multisample::Scratch,
+    /// Tiles that were drawn with this memory, and the work in each.
+    pub drawn: Vec<(u32, u64)>,
 }
 
 impl Scratch {

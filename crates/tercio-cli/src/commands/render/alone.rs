@@ -1,8 +1,9 @@
 //! Pictures that this process draws, by itself or with ranks that are its threads.
 
 use anyhow::{Context, Result};
+use tercio::parallel::FrameReport;
+use tercio::parallel::in_process::Crew;
 use tercio::parallel::trace::{Span, Step, Trace};
-use tercio::parallel::{FrameReport, in_process};
 use tercio::raster::{Frame, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio_lab::predict::choose::Choice;
@@ -16,6 +17,7 @@ use crate::{mpi, organisation};
 /// Draws frames, and keeps what is the same for all of them.
 pub(super) struct Artist {
     renderer: Renderer,
+    crew: Crew,
     pub drawers: Drawers,
     /// Why ranks share frames as they do, if that was chosen.
     pub choice: Option<Choice>,
@@ -24,7 +26,7 @@ pub(super) struct Artist {
 
 impl Artist {
     pub fn new(drawers: Drawers, trace: Option<Trace>) -> Self {
-        Self { renderer: Renderer::new(), drawers, choice: None, trace }
+        Self { renderer: Renderer::new(), crew: Crew::default(), drawers, choice: None, trace }
     }
 }
 
@@ -109,10 +111,10 @@ impl Render {
         let report;
         if let Some(trace) = &mut artist.trace {
             let of_ranks;
-            (*frame, report, of_ranks) = in_process::record(ranks, scene, camera, settings)?;
+            (*frame, report, of_ranks) = artist.crew.record(ranks, scene, camera, settings)?;
             trace.append(of_ranks);
         } else {
-            (*frame, report) = in_process::draw(ranks, scene, camera, settings)?;
+            (*frame, report) = artist.crew.draw(ranks, scene, camera, settings)?;
         }
         Ok(Some(report))
     }

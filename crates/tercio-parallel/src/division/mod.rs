@@ -1,5 +1,7 @@
 //! Who draws which tiles: divisions of the picture among ranks.
 
+pub mod cuts;
+
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::fmt;
@@ -10,7 +12,8 @@ use tercio_raster::screen::TileGrid;
 
 /// How the tiles of a picture are divided among ranks.
 ///
-/// All but [`Division::Interleaved`] depend on an estimate of the work in each tile, which is the same on all ranks.
+/// All but [`Division::Interleaved`] depend on the work in each tile, which is the same on all ranks: an estimate, or, for
+/// [`Division::Adaptive`], what was counted in the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -27,11 +30,19 @@ pub enum Division {
     Columns,
     /// Compact parts with about the same work: runs of tiles along a Z-order curve.
     Blocks,
+    /// Compact regions between [cuts](cuts::Cuts) that move when the work has moved: by the work counted in the last frame, and in the first
+    /// one by an estimate.
+    Adaptive,
 }
 
 impl Division {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Balanced, Self::Interleaved, Self::Rows, Self::Columns, Self::Blocks];
+    pub const ALL: [Self; 6] =
+        [Self::Balanced, Self::Interleaved, Self::Rows, Self::Columns, Self::Blocks, Self::Adaptive];
+
+    /// Those that know nothing of earlier frames.
+    pub const STATIC: [Self; 5] =
+        [Self::Balanced, Self::Interleaved, Self::Rows, Self::Columns, Self::Blocks];
 
     /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
@@ -41,6 +52,7 @@ impl Division {
             Self::Rows => "rows",
             Self::Columns => "columns",
             Self::Blocks => "blocks",
+            Self::Adaptive => "adaptive",
         }
     }
 
@@ -50,7 +62,7 @@ impl Division {
     }
 
     /// The owner of each tile of a grid, a number below `ranks`; `load` is the work in each tile, in any unit. Tiles without
-    /// work are divided, too.
+    /// work are divided, too. Of [`Division::Adaptive`] these are the regions of a first frame.
     ///
     /// # Panics
     /// If there are no ranks, or the load is needed and does not have one entry for each tile.
@@ -68,6 +80,7 @@ impl Division {
                 u64::from(column) << 32 | u64::from(row)
             }),
             Self::Blocks => runs(load, ranks, |tile| z_order(place(tile))),
+            Self::Adaptive => cuts::Cuts::default().owners(grid, load, ranks),
         }
     }
 }
