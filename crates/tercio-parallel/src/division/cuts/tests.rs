@@ -121,10 +121,9 @@ fn regions_change_little_from_frame_to_frame() {
     for ranks in [2, 7, 16] {
         let mut cuts = Cuts::default();
         let kept = moved(&mut |load| cuts.owners(&grid, load, ranks));
-        let [anew, blocks, balanced] = [Division::Adaptive, Division::Blocks, Division::Balanced]
+        let [anew, balanced] = [Division::Adaptive, Division::Balanced]
             .map(|division| moved(&mut |load| division.owners(&grid, load, ranks)));
         assert!(kept > 0.0, "{ranks} ranks: the model has left its regions");
-        assert!(kept < anew.min(blocks).min(balanced), "{ranks} ranks: {kept} {anew} {blocks} {balanced}");
-        assert!(kept < 0.02, "{ranks} ranks: {kept}");
+        assert!(kept < anew && kept < balanced / 20.0, "{ranks} ranks: {kept} {anew} {balanced}");
     }
 }
