@@ -158,7 +158,8 @@ impl FewHits {
                         let hits = in_box & covered.simd_gt(splat_i(simd, 0));
                         let hits = hits.to_bitmask() as u32 & 0xffff;
                         // Whether there are any cannot be predicted.
-                        let at = column + (row << stride_bits) | column << COLUMN_SHIFT | row << ROW_SHIFT;
+                        let place = column + (row << stride_bits);
+                        let at = place | column << COLUMN_SHIFT | row << ROW_SHIFT;
                         let words = (first + at) | (covered << COVERED_SHIFT);
                         append(simd, &mut self.words, *count, hits, words);
                         *count += hits.count_ones() as usize;
