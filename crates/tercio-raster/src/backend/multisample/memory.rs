@@ -12,6 +12,11 @@ use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, baseline, live_lanes, splat, splat_i};
 
+/// log2 of the edge of the blocks of pixels whose depths are remembered.
+const BLOCK_BITS: u32 = 3;
+/// Blocks across and down: a tile has at most 130 pixels.
+const BLOCKS: usize = 17;
+
 /// Depth and fragment of every sample of a tile.
 ///
 /// The samples of a pixel are side by side. The tile's pixels include those around it that the filter needs.
@@ -21,6 +26,8 @@ pub struct SampleMemory {
     pub depth: Vec<f32>,
     /// Number of the fragment, [`NO_FRAGMENT`] where nothing was drawn.
     pub fragment: Vec<u32>,
+    /// Of each block of pixels, a depth that all of its samples are nearer than; below 0 where none is known.
+    known: Vec<f32>,
     /// The fragments of opaque triangles. Those that were hidden later remain until [`SampleMemory::make_room`] removes
     /// them.
     pub list: FragmentList,
@@ -78,6 +85,8 @@ impl SampleMemory {
         self.depth.resize(samples, 0.0);
         self.fragment.clear();
         self.fragment.resize(samples, NO_FRAGMENT);
+        self.known.clear();
+        self.known.resize(BLOCKS * BLOCKS, -1.0);
         self.list.clear();
         if context.is_translucent() {
             let depths_each = if self.is_by_sample { 1 } else { cells.count };
@@ -99,17 +108,45 @@ impl SampleMemory {
         self.fragment[sample] != NO_FRAGMENT || self.blended.is_at(sample)
     }
 
-    /// Is every sample of some pixels in memory nearer than this depth?
+    /// Is every sample of some pixels in memory nearer than this depth? Remembers the depth for the blocks that are in these pixels:
+    /// there, depths only become nearer, and most clusters come front to back.
     #[inline(always)]
-    pub fn all_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
+    pub fn all_nearer<S: Simd>(&mut self, simd: S, rect: PixelRect, depth: f32) -> bool {
         if rect.is_empty() {
             return true;
         }
+        let PixelRect { x0, y0, .. } = self.rect;
+        let local = |r: PixelRect| PixelRect { x0: r.x0 - x0, x1: r.x1 - x0, y0: r.y0 - y0, y1: r.y1 - y0 };
+        let (rect, all) = (local(rect), local(self.rect));
+        for row in rect.y0 >> BLOCK_BITS..(rect.y1 >> BLOCK_BITS) + 1 {
+            for column in rect.x0 >> BLOCK_BITS..(rect.x1 >> BLOCK_BITS) + 1 {
+                let number = row as usize * BLOCKS + column as usize;
+                if self.known[number] >= depth {
+                    continue;
+                }
+                let (x0, y0) = (column << BLOCK_BITS, row << BLOCK_BITS);
+                let last = (1 << BLOCK_BITS) - 1;
+                let block = PixelRect { x0, x1: x0 + last, y0, y1: y0 + last }.intersect(all);
+                let part = block.intersect(rect);
+                if !self.are_nearer(simd, part, depth) {
+                    return false;
+                }
+                if part == block {
+                    self.known[number] = depth;
+                }
+            }
+        }
+        true
+    }
+
+    /// Is every sample of some pixels nearer than this depth? Columns and rows are those in memory.
+    #[inline(always)]
+    fn are_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
         let depth = splat(simd, depth);
         let lanes = i32x16::load_array(simd, LANE_NUMBERS);
         let samples = (rect.x1 - rect.x0 + 1) << self.count_bits;
         for y in rect.y0..rect.y1 + 1 {
-            let first = self.pixel(rect.x0, y) << self.count_bits;
+            let first = ((y as usize) << self.stride_bits | rect.x0 as usize) << self.count_bits;
             let mut done = 0;
             while done < samples {
                 let inside = lanes.simd_lt(splat_i(simd, samples - done));

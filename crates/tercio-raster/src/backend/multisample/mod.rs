@@ -217,7 +217,7 @@ fn draw_clusters<S: Simd, T: Tally, K: Sink>(
         if let Some(later) = clusters.get(i + PREFETCH_DISTANCE) {
             prefetch_body(context, later);
         }
-        if is_hidden(simd, binned, &scratch.memory) {
+        if is_hidden(simd, binned, &mut scratch.memory) {
             tally.counts().clusters_hidden += 1;
             continue;
         }
@@ -235,7 +235,7 @@ fn draw_clusters<S: Simd, T: Tally, K: Sink>(
 
 /// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?
 #[inline(always)]
-fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, memory: &SampleMemory) -> bool {
+fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, memory: &mut SampleMemory) -> bool {
     let rect = binned.pixels().intersect(memory.rect);
     part(
         simd,
