@@ -195,7 +195,7 @@ int tercio_pixels(struct tercio_session *session,
                   uint32_t *height);
 
 /**
- * Writes the last picture, as PNG, PPM, WebP, JPEG or JPEG XL by its extension; a file is replaced only when the new one is complete. On other ranks
+ * Writes the last picture, as PNG, PPM, WebP or JPEG by its extension; a file is replaced only when the new one is complete. On other ranks
  * than rank 0 nothing is done.
  */
 int tercio_save(struct tercio_session *session,

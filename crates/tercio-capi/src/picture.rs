@@ -116,7 +116,7 @@ pub unsafe extern "C" fn tercio_pixels(
     unsafe { run(session, store) }
 }
 
-/// Writes the last picture, as PNG, PPM, WebP, JPEG or JPEG XL by its extension; a file is replaced only when the new one is complete. On other ranks
+/// Writes the last picture, as PNG, PPM, WebP or JPEG by its extension; a file is replaced only when the new one is complete. On other ranks
 /// than rank 0 nothing is done.
 ///
 /// # Safety

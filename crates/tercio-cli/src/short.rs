@@ -41,7 +41,7 @@ pub fn with_short_help(program: Command) -> Command {
                 "background" => argument.default_value("#ffffff"),
                 "more" => argument.help("More models"),
                 "output" => {
-                    let help = "The sheet (.png, .jpg, .webp, .jxl, .ppm), or `-` for standard output";
+                    let help = "The sheet (.png, .jpg, .webp, .ppm), or `-` for standard output";
                     argument.help(help).long_help(help)
                 }
                 _ => argument,

@@ -183,20 +183,6 @@ fn a_series_that_was_killed_is_resumed() {
 }
 
 #[test]
-fn pictures_in_jpeg_xl_are_found_by_their_size() {
-    let place = Place::new();
-    let run = "render model.off -o f_{}.jxl --turntable 3 --quiet --stats - --resume";
-    let found = |size: &str| {
-        let stats = place.run(&format!("{run} --size {size}")).ok_silently();
-        serde_json::from_str::<serde_json::Value>(stats.text()).unwrap()["pictures_found"].clone()
-    };
-    for size in ["32x24", "600x9", "9x600"] {
-        assert_eq!(found(size), 0, "{size}");
-        assert_eq!(found(size), 3, "{size}");
-    }
-}
-
-#[test]
 fn keyframes_are_passed_exactly() {
     let place = Place::new();
     let csv =

@@ -39,7 +39,7 @@
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`strokes`] makes lines, edges and points a part of a scene; [`vector`] makes them drawings (SVG, PDF), cut where the surface
 //!   hides them.
-//! - [`image`] writes pictures (PNG, PPM, WebP, JPEG, JPEG XL), films ([`image::film`]: GIF, APNG, WebP, Y4M) and arrays (NPY), reads and compares
+//! - [`image`] writes pictures (PNG, PPM, WebP, JPEG), films ([`image::film`]: GIF, APNG, WebP, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
 //! The types that most programs use are also exported here at the root.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use tercio::image::film::FilmFormat;
-use tercio::image::{Destination, JPEG_MAX_SIZE, JXL_MIN_SIZE, PictureFormat, WEBP_MAX_SIZE};
+use tercio::image::{Destination, JPEG_MAX_SIZE, PictureFormat, WEBP_MAX_SIZE};
 use tercio::raster::Outputs;
 
 use super::drawing::DrawingArgs;
@@ -30,10 +30,10 @@ pub enum Depth {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
-    /// The picture (.png, .jpg, .webp, .jxl, .ppm), `-` for standard output, a drawing of lines (.svg, .pdf), or a film (.gif, .webp,
+    /// The picture (.png, .jpg, .webp, .ppm), `-` for standard output, a drawing of lines (.svg, .pdf), or a film (.gif, .webp,
     /// .apng, .mp4, .y4m).
     ///
-    /// WebP and JPEG XL are lossless; WebP is a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
+    /// WebP is lossless, and a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
     /// edges or contours as vectors, cut where they are hidden. For series {frame} or {:04} in the name stands for the number of a
     /// picture, {view} for its view, {step} for the number of its model, and {name} for the name of its model. Films are .gif, .webp,
     /// .apng, .y4m, and .mp4, .webm, .mkv and
@@ -41,7 +41,7 @@ pub struct WritingArgs {
     #[arg(short, long, value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,
-    /// Format of the picture (png, ppm, webp, jpeg or jxl), drawing (svg or pdf) or film (gif, webp, apng, y4m, rgb, mp4 ...)
+    /// Format of the picture (png, ppm, webp or jpeg), drawing (svg or pdf) or film (gif, webp, apng, y4m, rgb, mp4 ...)
     /// [default: by the extension; png for `-`].
     #[arg(long, value_name = "FORMAT", requires = "output")]
     format: Option<OutputFormat>,
@@ -197,7 +197,7 @@ impl WritingArgs {
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {
             format!(
-                "{}: the extension must be .png, .ppm, .webp, .jpg, .jxl, .svg or .pdf (or give --format)",
+                "{}: the extension must be .png, .ppm, .webp, .jpg, .svg or .pdf (or give --format)",
                 path.display()
             )
         })?;
@@ -225,12 +225,6 @@ impl WritingArgs {
             }
             PictureFormat::Jpeg { .. } if width.max(height) > JPEG_MAX_SIZE => {
                 Err(format!("a JPEG picture has at most {JPEG_MAX_SIZE} pixels a side"))
-            }
-            PictureFormat::Jxl if self.depth == Depth::Sixteen => {
-                Err("JPEG XL has no --depth 16 here".into())
-            }
-            PictureFormat::Jxl if width.min(height) < JXL_MIN_SIZE => {
-                Err(format!("a JPEG XL picture has at least {JXL_MIN_SIZE} pixels a side"))
             }
             PictureFormat::Jpeg { .. } => {
                 let quality = self.quality.unwrap_or(PictureFormat::JPEG_QUALITY);

@@ -68,10 +68,7 @@ impl Compare {
         let mut diff = None;
         if let Some(path) = &self.diff {
             let format = PictureFormat::from_path(path).ok_or_else(|| {
-                UsageError(format!(
-                    "{}: the extension must be .png, .ppm, .webp, .jpg or .jxl",
-                    path.display()
-                ))
+                UsageError(format!("{}: the extension must be .png, .ppm, .webp or .jpg", path.display()))
             })?;
             let destination = Destination::File(path.clone());
             files = files.writes("--diff", &destination);

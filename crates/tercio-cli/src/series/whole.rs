@@ -24,24 +24,6 @@ pub fn is_there(plan: &Plan, size: (u32, u32)) -> bool {
         && arrays.into_iter().all(|(file, array)| of_file(file, &|path| is_array(path, array, size)))
 }
 
-/// The size in the head of a JPEG XL codestream as the encoder writes it: both sides, one after the other. Such a stream has no
-/// end that could be looked for. Source: ISO/IEC 18181-1, size header.
-fn size_of_jxl(bytes: &[u8]) -> Option<(u32, u32)> {
-    let mut bits = u128::from_le_bytes(*bytes.strip_prefix(&[0xff, 0x0a])?.first_chunk()?);
-    let mut take = |count: u32| {
-        let value = (bits & ((1 << count) - 1)) as u32;
-        bits >>= count;
-        value
-    };
-    let is_small = take(1) == 1;
-    let height = [9, 13, 18, 30][take(2) as usize];
-    let height = 1 + take(height);
-    let ratio = take(3);
-    let width = [9, 13, 18, 30][take(2) as usize];
-    let width = 1 + take(width);
-    (!is_small && ratio == 0).then_some((width, height))
-}
-
 fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -> Option<bool> {
     let mut file = File::open(path).ok()?;
     let length = file.metadata().ok()?.len();
@@ -79,11 +61,6 @@ fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -
             bytes.starts_with(&[0xff, 0xd8])
                 && (number(frame + 7)?, number(frame + 5)?) == (width, height)
                 && tail == [0xff, 0xd9]
-        }
-        PictureFormat::Jxl => {
-            let mut bytes = Vec::new();
-            file.take(18).read_to_end(&mut bytes).ok()?;
-            size_of_jxl(&bytes) == Some((width, height))
         }
         _ => {
             // WebP: its size is not where all variants have it; its length is.

@@ -1,13 +1,12 @@
 //! Picture files: writing, reading, comparing.
 //!
-//! [`Picture`] is what a viewer shows, in PNG, PPM, WebP, JPEG or JPEG XL; [`npy`] stores arrays of numbers (depth, primitive
+//! [`Picture`] is what a viewer shows, in PNG, PPM, WebP or JPEG; [`npy`] stores arrays of numbers (depth, primitive
 //! numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is complete.
 
 mod compare;
 pub mod film;
 mod identity;
 mod jpeg;
-mod jxl;
 pub mod npy;
 mod output;
 mod partial;
@@ -37,8 +36,6 @@ pub use stream::StandardStream;
 pub const WEBP_MAX_SIZE: u32 = 16384;
 /// The largest width and height of a JPEG picture.
 pub const JPEG_MAX_SIZE: u32 = 65535;
-/// The smallest width and height of a JPEG XL picture.
-pub const JXL_MIN_SIZE: u32 = 2;
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,16 +53,13 @@ pub enum PictureFormat {
         /// 1 (small files) to 100 (good pictures), the scale of the Independent JPEG Group.
         quality: u8,
     },
-    /// Lossless JPEG XL, 8 bits, with transparency, at least 2 pixels per side. It is written, not read.
-    Jxl,
 }
 
 impl PictureFormat {
     /// The quality of JPEG pictures where none is given.
     pub const JPEG_QUALITY: u8 = 90;
     /// All formats; JPEG with its default quality.
-    pub const ALL: [Self; 5] =
-        [Self::Png, Self::Ppm, Self::WebP, Self::Jpeg { quality: Self::JPEG_QUALITY }, Self::Jxl];
+    pub const ALL: [Self; 4] = [Self::Png, Self::Ppm, Self::WebP, Self::Jpeg { quality: Self::JPEG_QUALITY }];
 
     /// The name, which is also the extension of its files.
     pub fn name(self) -> &'static str {
@@ -74,7 +68,6 @@ impl PictureFormat {
             Self::Ppm => "ppm",
             Self::WebP => "webp",
             Self::Jpeg { .. } => "jpeg",
-            Self::Jxl => "jxl",
         }
     }
 
@@ -110,7 +103,7 @@ pub enum ImageError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The file name does not have the extension of a picture format.
-    #[error("the extension of a picture must be .png, .ppm, .webp, .jpg or .jxl")]
+    #[error("the extension of a picture must be .png, .ppm, .webp or .jpg")]
     UnknownExtension,
     /// The content is of no supported format.
     #[error("not a picture that tercio reads (PNG, PPM, WebP, JPEG)")]
@@ -216,7 +209,6 @@ impl<'a> Picture<'a> {
             PictureFormat::Ppm => ppm::write(self, out),
             PictureFormat::WebP => webp::write(self, out),
             PictureFormat::Jpeg { quality } => jpeg::write(self, quality, out),
-            PictureFormat::Jxl => jxl::write(self, out),
         }
     }
 
@@ -259,7 +251,7 @@ impl<'a> Picture<'a> {
 }
 
 impl Picture<'static> {
-    /// Reads a PNG, PPM, WebP or JPEG picture from a file; the format is found by content. JPEG XL is not read.
+    /// Reads a PNG, PPM, WebP or JPEG picture from a file; the format is found by content.
     ///
     /// # Errors
     /// [`ImageError::File`], which names the file; its source is the system's reason, or an error of
@@ -270,7 +262,7 @@ impl Picture<'static> {
         bytes.and_then(|bytes| Self::from_bytes(&bytes)).map_err(|source| source.in_file(path))
     }
 
-    /// Reads a PNG, PPM, WebP or JPEG picture from memory; the format is found by content. JPEG XL is not read.
+    /// Reads a PNG, PPM, WebP or JPEG picture from memory; the format is found by content.
     ///
     /// # Errors
     /// [`ImageError::UnknownFormat`], [`ImageError::Malformed`].

@@ -137,7 +137,7 @@ impl Sheet {
     fn output(&self, render: &Render) -> Result<(Destination, PictureFormat), String> {
         let plan = render.writing.plan(&render.drawing, &render.stereo, false)?;
         if plan.film.is_some() {
-            return Err("a sheet is a picture: choose .png, .jpg, .webp, .jxl or .ppm".into());
+            return Err("a sheet is a picture: choose .png, .jpg, .webp or .ppm".into());
         }
         if !plan.arrays.is_empty() || plan.stats.is_some() || plan.outputs.color16 {
             return Err("a sheet is a picture of 8 bits a component: leave out --output-depth, --output-ids, --output-normals, --stats and --depth 16".into());
