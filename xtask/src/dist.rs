@@ -17,8 +17,8 @@ use crate::process::{
 /// there were kernels for several samples per pixel, 0.7 MB at four SIMD levels, 12 MiB before there were layers,
 /// materials, and decoders for seven kinds of pictures, and 16 MiB before there were VTK's files with their compressors, colours by
 /// data at four SIMD levels, type, films, completions and manual pages. It was 20 MiB before edges and data had kernels of their own at
-/// two SIMD levels, and the laboratory its reasons, worked runs, figures and site, and 21 MiB before JPEG XL, PNG in one
-/// pass and an adaptive division (0.3 MB together).
+/// two SIMD levels, and the laboratory its reasons, worked runs, figures and site, and 21 MiB before PNG in one pass and
+/// an adaptive division.
 const MOST_BYTES: u64 = 22 << 20;
 
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";

@@ -10,7 +10,7 @@ use tercio_raster::screen::TileGrid;
 
 use super::works;
 
-/// Ranks may have this part of the mean more than it, all halvings together, before cuts are moved: 1/8.
+/// A rank may have an eighth more than the mean before cuts move, shared among the halvings.
 const TOLERANCE: u128 = 8;
 
 /// Where a region is cut.

@@ -30,8 +30,8 @@ pub enum Division {
     Columns,
     /// Compact parts with about the same work: runs of tiles along a Z-order curve.
     Blocks,
-    /// Compact regions between [cuts](cuts::Cuts) that move when the work has moved: by the work counted in the last frame, and in the first
-    /// one by an estimate.
+    /// Compact regions between [cuts](cuts::Cuts) that move when the work has moved: by the work counted in the last frame,
+    /// and in the first one by an estimate.
     Adaptive,
 }
 

@@ -1,9 +1,9 @@
 //! Clusters of models in parts, sent to the ranks of the group that draw the tiles they reach, unless these have them since the last
 //! frame.
 //!
-//! A message has a section for each instance of the scene: the number of bytes of its clusters and the number of the sender's clusters
-//! that the receiver has (8 bytes each, little-endian; none if the sender's part is another one than in the last frame), for each of these a bit
-//! that says whether it is kept (in whole bytes, the lowest first), then the new clusters
+//! A message has a section for each instance of the scene: the number of bytes of its clusters and the number of the sender's
+//! clusters that the receiver has (8 bytes each, little-endian; none if the sender's part is another one than in the last
+//! frame), for each of these a bit that says whether it is kept (in whole bytes, the lowest first), then the new clusters
 //! ([`tercio_mesh::cluster::write_clusters`]), with the numbers of their faces if ids are drawn.
 
 use std::sync::Arc;
@@ -24,11 +24,28 @@ const SECTION_HEAD: usize = 2 * size_of::<u64>();
 
 /// Exchanges clusters between the ranks of a group, each of which has sorted those of its own parts into all tiles: returns the
 /// scene with the clusters of all of them that may reach this rank's tiles. Their primitives and faces have their numbers in the
-/// whole models. `owners` has the owner of each tile, a rank of the group; `held` is of the same group.
+/// whole models. `owners` has the owner of each tile, a rank of the group; `held` is of the same group, and empty after an error.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Clusters`], [`PartsError::Whole`].
 pub fn exchange(
+    group: &mut Group<'_, impl Communicator>,
+    owners: &[u32],
+    context: &FrameContext,
+    sorted: &Sorted,
+    held: &mut Held,
+    report: &mut RankReport,
+) -> Result<Scene, ParallelError> {
+    held.keep_instances(context.scene.instances.len());
+    let exchanged = exchange_some(group, owners, context, sorted, held, report);
+    if exchanged.is_err() {
+        *held = Held::default();
+    }
+    exchanged
+}
+
+/// [`exchange`] of what others have not.
+fn exchange_some(
     group: &mut Group<'_, impl Communicator>,
     owners: &[u32],
     context: &FrameContext,

@@ -62,8 +62,9 @@ pub fn owners(
     let is_adaptive = division == Division::Adaptive && members.len() > 1;
     let (columns, rows, shift) = (grid.columns, grid.rows, grid.shift);
     let of = is_adaptive.then(|| Divided { columns, rows, shift, members: members.clone() });
-    let is_known = is_adaptive && last.of == of;
-    last.of = of;
+    // Nothing is known after an error.
+    let before = last.of.take();
+    let is_known = is_adaptive && before == of;
     if members.len() == 1 {
         return Ok(vec![0; grid.count()]);
     }
@@ -89,7 +90,7 @@ pub fn owners(
         }
         let owners = last.cuts.owners(grid, &load, members.len());
         load.fill(0);
-        last.work = load;
+        (last.work, last.of) = (load, of);
         owners
     }))
 }

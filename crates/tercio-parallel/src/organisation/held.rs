@@ -1,7 +1,7 @@
 //! Clusters of models in parts that ranks have from each other since the last frame: they are not sent again while they are needed.
 //!
-//! A rank keeps what it gathered for a frame until the next one, and no longer what it does not need then: so it never holds more
-//! than for one frame. Each sender knows what it has sent, in the order in which the receiver has it.
+//! A rank keeps what it gathered for a frame until the next one is gathered: meanwhile it holds the clusters of both, and between
+//! frames those of the last one. Each sender knows what it has sent, in the order in which the receiver has it.
 
 use std::ops::Range;
 use std::sync::{Arc, Weak};
@@ -62,6 +62,11 @@ impl Held {
         if self.of != of {
             *self = Self { of, ..Self::default() };
         }
+    }
+
+    /// Forgets what is of instances that the scene has no more: an instance that takes their place later is gathered anew.
+    pub fn keep_instances(&mut self, count: usize) {
+        self.given.truncate(count);
     }
 
     /// What is to be sent of the instance with a number to a rank of the group that needs these clusters of it, in ascending order; it

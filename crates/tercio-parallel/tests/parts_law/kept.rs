@@ -22,7 +22,7 @@ type Of = (f64, Sharing, Settings);
 type Drawn<T> = (Option<(Frame, FrameReport)>, T);
 
 /// Draws frames with the same ranks, and holds them against those of one renderer. `change` gets the number of the frame and the scene
-/// before the frame is drawn, `look` the rank, the scene and the camera.
+/// before the frame is drawn (that of each rank's parts, and the whole one), `look` the rank, the scene and the camera.
 fn draw<T: Send>(
     ranks: usize,
     frames: &[Of],
@@ -31,8 +31,9 @@ fn draw<T: Send>(
 ) -> Vec<(FrameReport, Vec<T>)> {
     let mesh = model("builtin:gyroid@2k", 100);
     let parts = split_evenly(&mesh, ranks);
-    let scene = whole(&mesh, twice);
-    let camera_of = |radii: f64| camera(&scene.bounds(), radii);
+    let mut scene = whole(&mesh, twice);
+    let bounds = scene.bounds();
+    let camera_of = |radii: f64| camera(&bounds, radii);
     let results = threads::run(ranks, |comm| {
         let mut scene = in_parts(comm, &parts, twice)?;
         let mut own = Rank::new();
@@ -47,7 +48,8 @@ fn draw<T: Send>(
     });
     let mut of_ranks: Vec<_> =
         results.expect("pictures").into_iter().map(|frames| frames.into_iter()).collect();
-    let of_frame = |(radii, sharing, settings): &Of| {
+    let mut of_frame = |(number, (radii, sharing, settings)): (usize, &Of)| {
+        change(number, &mut scene);
         let all: Vec<Drawn<T>> = of_ranks.iter_mut().filter_map(Iterator::next).collect();
         let (mut pictures, looks): (Vec<_>, Vec<_>) = all.into_iter().unzip();
         let (found, report) = pictures[0].take().expect("rank 0 has the picture");
@@ -55,7 +57,22 @@ fn draw<T: Send>(
         assert_eq!(found.difference(&expected), None, "{ranks} ranks, {sharing:?}, {radii} radii");
         (report, looks)
     };
-    frames.iter().map(of_frame).collect()
+    frames.iter().enumerate().map(&mut of_frame).collect()
+}
+
+#[test]
+fn an_instance_that_comes_back_is_sent_again() {
+    let sharing = Sharing::from(Organisation::SortFirst);
+    let frames = [2.0; 4].map(|radii| (radii, sharing, settings(ONE)));
+    let change = |number: usize, scene: &mut Scene| match number {
+        1 => scene.instances.truncate(1),
+        2 => twice(scene),
+        _ => {}
+    };
+    let drawn = draw(3, &frames, change, |_, _, _, _| ());
+    let sent = |frame: usize| drawn[frame].0.ranks.iter().filter_map(|rank| rank.clusters_sent).sum::<u64>();
+    assert!(sent(0) > sent(2) && sent(2) > 0, "{} and {}", sent(0), sent(2));
+    assert_eq!([sent(1), sent(3)], [0, 0]);
 }
 
 /// Which clusters of a rank's scene each of so many ranks needs, if tile k belongs to rank k modulo their number.

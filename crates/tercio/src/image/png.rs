@@ -1,5 +1,5 @@
-//! PNG: chunks and reading through the `png` crate, the pixels of pictures in memory with an encoder of our own, which does in one
-//! pass what takes the crate several, in half the time.
+//! PNG: chunks and reading through the `png` crate, the pixels of pictures in memory with an encoder of our own, which needs one pass
+//! over them and skips what is the same as the row above.
 
 mod deflate;
 mod huffman;

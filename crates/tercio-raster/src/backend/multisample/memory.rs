@@ -7,6 +7,7 @@ use super::blend::Blended;
 use super::fragments::{FragmentList, NO_FRAGMENT};
 use super::layers::Layers;
 use super::load::Origin;
+use super::stamps::MOST_ROWS;
 use crate::context::FrameContext;
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
@@ -14,8 +15,8 @@ use crate::simd::{LANE_NUMBERS, LANES, baseline, live_lanes, splat, splat_i};
 
 /// log2 of the edge of the blocks of pixels whose depths are remembered.
 const BLOCK_BITS: u32 = 3;
-/// Blocks across and down: a tile has at most 130 pixels.
-const BLOCKS: usize = 17;
+/// Blocks across and down.
+const BLOCKS: usize = MOST_ROWS.div_ceil(1 << BLOCK_BITS);
 
 /// Depth and fragment of every sample of a tile.
 ///
@@ -78,7 +79,9 @@ impl SampleMemory {
                 self.lane_offset[axis][lane] = (cell << cells.pitch_bits) as f32;
             }
         }
-        let rows = (self.rect.y1 - self.rect.y0 + 1) as usize;
+        let [across, rows] =
+            [self.rect.x1 - self.rect.x0 + 1, self.rect.y1 - self.rect.y0 + 1].map(|edge| edge as usize);
+        debug_assert!(across.max(rows) <= MOST_ROWS, "a tile of {across} x {rows} pixels");
         // Samples are read and written 16 at a time.
         let samples = (rows << self.stride_bits << self.count_bits) + LANES;
         self.depth.clear();
@@ -249,5 +252,68 @@ impl SampleMemory {
             }
         }
         visible
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::simd::SimdLevel;
+
+    /// The largest tile, of a picture that it is cut off by, with 4 samples per pixel.
+    fn memory(right: i32, bottom: i32) -> SampleMemory {
+        let (stride_bits, count_bits) = (8, 2);
+        let rect = PixelRect { x0: 40, x1: 40 + right, y0: 900, y1: 900 + bottom };
+        let samples = ((bottom + 1) as usize) << stride_bits << count_bits;
+        let depth = vec![0.0; samples + LANES];
+        let known = vec![-1.0; BLOCKS * BLOCKS];
+        SampleMemory { depth, known, rect, stride_bits, count_bits, ..SampleMemory::default() }
+    }
+
+    /// A rectangle and a depth, in parts of the tile and in quarters.
+    type Part = ([f64; 4], u8);
+
+    fn part() -> impl Strategy<Value = Part> {
+        ([0.0..1.0, 0.0..1.0, 0.0..1.0, 0.0..1.0], 0_u8..=4)
+    }
+
+    fn rect_of(memory: &SampleMemory, [a, b, c, d]: [f64; 4]) -> PixelRect {
+        let PixelRect { x0, x1, y0, y1 } = memory.rect;
+        let at = |first: i32, last: i32, part: f64| first + (part * f64::from(last - first + 1)) as i32;
+        let (x, y) = ([at(x0, x1, a), at(x0, x1, b)], [at(y0, y1, c), at(y0, y1, d)]);
+        PixelRect { x0: x[0].min(x[1]), x1: x[0].max(x[1]), y0: y[0].min(y[1]), y1: y[0].max(y[1]) }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_remembered_changes_no_answer(
+            right in 0..130_i32, bottom in 0..130_i32, steps in prop::collection::vec((part(), part()), 1..40),
+        ) {
+            for level in SimdLevel::available() {
+                let mut memory = memory(right, bottom);
+                for ((drawn, nearness), (asked, depth)) in &steps {
+                    // Depths only become nearer.
+                    let rect = rect_of(&memory, *drawn);
+                    for y in rect.y0..=rect.y1 {
+                        let first = memory.pixel(rect.x0, y) << 2;
+                        let count = ((rect.x1 - rect.x0 + 1) as usize) << 2;
+                        for old in &mut memory.depth[first..first + count] {
+                            *old = old.max(f32::from(*nearness) / 4.0);
+                        }
+                    }
+                    let (rect, depth) = (rect_of(&memory, *asked), f32::from(*depth) / 4.0);
+                    let mut samples = (rect.y0..=rect.y1).flat_map(|y| {
+                        let first = memory.pixel(rect.x0, y) << 2;
+                        &memory.depth[first..first + (((rect.x1 - rect.x0 + 1) as usize) << 2)]
+                    });
+                    let expected = samples.all(|&sample| sample > depth);
+                    let found = dispatch!(level.level().unwrap(), simd => memory.all_nearer(simd, rect, depth));
+                    prop_assert_eq!(found, expected, "{:?}: {:?}, {}", level, rect, depth);
+                }
+            }
+        }
     }
 }

@@ -136,8 +136,8 @@ impl Lanes {
 
 /// Room for stamps: a power of two, which costs no branch.
 const CAPACITY: usize = 512;
-/// The largest number of rows of pixels in a tile's memory.
-const MOST_ROWS: usize = 130;
+/// The largest number of rows, and of columns, of pixels in a tile's memory.
+pub const MOST_ROWS: usize = 130;
 /// Lowest bit of the samples that are covered in a word with the place of the pixel below.
 const COVERED_SHIFT: u32 = 16;
 /// Lowest bit of the column and of the row of a stamp in the bounding box of its triangle, in a word with the triangle's lane

@@ -70,8 +70,8 @@ pub fn words<const N: usize>(lengths: &[u8; N]) -> [u16; N] {
 mod tests {
     use super::*;
 
-    /// The bits that symbols with these counts take at least, of all codes: searched by trying every pair of trees at each step would
-    /// take too long, so the sum of the weights of all inner nodes, found with a sorted list.
+    /// The bits that symbols with these counts take at least, of all codes: the sum of the weights of all inner nodes, found with a
+    /// sorted list.
     fn least_bits(counts: &[u32]) -> u64 {
         let mut weights: Vec<u64> = counts.iter().filter(|&&c| c > 0).map(|&c| c.into()).collect();
         let mut bits = 0;
