@@ -112,19 +112,19 @@ fn a_file_that_grows_too_large_is_an_error_and_leaves_nothing() {
 #[test]
 fn a_run_without_memory_for_writing_leaves_nothing() {
     let place = Place::new();
-    fs::write(place.path("a.png"), "old").unwrap();
+    fs::write(place.path("a.webp"), "old").unwrap();
     let mut while_writing = 0;
-    // The frame has 9 MB, and encoding copies the picture.
+    // The frame has 9 MB, and encoding WebP copies the picture.
     for limit in (8..24).map(|mib| mib << 20) {
-        let render = "render model.off -o a.png --size 1500x1500 --quiet --threads 1 --memory-limit";
+        let render = "render model.off -o a.webp --size 1500x1500 --quiet --threads 1 --memory-limit";
         let outcome = place.run(&format!("{render} {limit}"));
         if outcome.code == Some(0) {
             break;
         }
         outcome.failed(1, &["model.off: ", "--memory-limit"]);
         while_writing += u32::from(outcome.stderr.contains("for writing"));
-        assert_eq!(place.names(), ["a.png", "model.off"], "{limit}: {}", outcome.stderr);
-        assert_eq!(place.read("a.png"), b"old");
+        assert_eq!(place.names(), ["a.webp", "model.off"], "{limit}: {}", outcome.stderr);
+        assert_eq!(place.read("a.webp"), b"old");
     }
     assert!(while_writing > 0, "no run came as far as writing");
 }
