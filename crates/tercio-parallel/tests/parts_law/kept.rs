@@ -62,7 +62,7 @@ fn draw<T: Send>(
 
 #[test]
 fn an_instance_that_comes_back_is_sent_again() {
-    let sharing = Sharing::from(Organisation::SortFirst);
+    let sharing = Sharing { division: Division::Interleaved, ..Organisation::SortFirst.into() };
     let frames = [2.0; 4].map(|radii| (radii, sharing, settings(ONE)));
     let change = |number: usize, scene: &mut Scene| match number {
         1 => scene.instances.truncate(1),
