@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use tercio_mesh::color::srgb_to_linear;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::color::DECODE;
 use tercio_raster::frame::Planes;
 use tercio_raster::{color8, color16};

@@ -1,7 +1,7 @@
 //! Takes light away from a finished picture.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, i32x16, u8x64};
+use fearless_simd::{Level, Simd, i32x16, u8x64};
 use tercio_raster::frame::Planes;
 use tercio_raster::{color8_lanes, color16};
 
@@ -42,7 +42,7 @@ impl Colors<'_> {
         let range = first..first + light.len();
         let linear = &mut self.linear[range.clone()];
         let narrow = self.narrow.get_mut(range.clone()).unwrap_or_default();
-        dispatch!(level, simd => darken(simd, light, linear, narrow));
+        tercio_raster::dispatch!(level, simd => darken(simd, light, linear, narrow));
         let wide = self.wide.get_mut(range).unwrap_or_default();
         for ((wide, linear), _) in wide.iter_mut().zip(linear).zip(light).filter(|(_, light)| **light < 1.0) {
             *wide = color16(*linear);

@@ -9,7 +9,7 @@
 //! section 2.4, which takes the logarithm of depth instead.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x16};
+use fearless_simd::{Level, Simd, f32x16};
 use rayon::prelude::*;
 use tercio_raster::{Frame, Outputs, RenderError, Settings};
 use tercio_scene::{Camera, Scene};
@@ -111,7 +111,7 @@ impl Shader<'_> {
         let memory = || vec![1.0; width.next_multiple_of(LANES)];
         bands.into_par_iter().enumerate().for_each_init(memory, |light, (number, mut colors)| {
             for y in number * BAND..((number + 1) * BAND).min(height) {
-                dispatch!(self.level, simd => self.row(simd, y, &nothing, light));
+                tercio_raster::dispatch!(self.level, simd => self.row(simd, y, &nothing, light));
                 colors.darken((y - number * BAND) * width, &light[..width], self.level);
             }
         });

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 /// For each vertex the triangles that use it, in ascending order.
 pub(crate) struct Adjacency {

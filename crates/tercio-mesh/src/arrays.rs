@@ -1,7 +1,7 @@
 //! A mesh in the arrays of a program, such as a simulation that draws what it computes.
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::mesh::{MAX_ELEMENTS, localize_at};
 use crate::{Aabb, Mesh, OctNormal};

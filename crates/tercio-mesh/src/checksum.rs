@@ -1,6 +1,6 @@
 //! Checksums of large arrays, computed by all threads.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 use twox_hash::XxHash3_64;
 
 /// Bytes that are hashed at a time.

@@ -46,6 +46,7 @@ pub mod error;
 pub mod guard;
 mod hash;
 pub mod io;
+pub mod loops;
 pub mod material;
 pub mod mesh;
 pub mod normals;

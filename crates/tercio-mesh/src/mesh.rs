@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{Aabb, FileMaterial, OctNormal};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Mesh;

@@ -6,7 +6,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::hash::Key;
 use crate::{AttributeDomain, Mesh};

@@ -68,5 +68,7 @@ pub use sampling::{Filter, SamplePattern, SampleShading, Sampling};
 pub use screen::TileSet;
 pub use settings::{Binning, Cull, LastStage, Part, Settings, Shading, SimdLevel, Sorting, TextureFilter};
 pub use shadow_map::ShadowMaps;
+#[doc(hidden)]
+pub use simd::dispatch as dispatching;
 pub use stats::FrameStats;
 pub use tone::{Tone, ToneCurve};

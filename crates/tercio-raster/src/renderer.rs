@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Instant;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use tercio_scene::{Camera, Scene};
 
@@ -13,6 +13,7 @@ use crate::backend::tally::Tally;
 use crate::backend::{self, Scratch, Stage, TileTask};
 use crate::binning::{Bins, Sorted};
 use crate::context::FrameContext;
+use crate::dispatch;
 use crate::error::RenderError;
 use crate::frame::{Canvas, FragmentError, FragmentsOfTile, Frame, Outputs};
 use crate::frontend;

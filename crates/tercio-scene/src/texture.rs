@@ -2,8 +2,8 @@
 
 use std::sync::{LazyLock, OnceLock};
 
-use rayon::prelude::*;
 use tercio_mesh::checksum;
+use tercio_mesh::loops::prelude::*;
 
 use crate::color::srgb_to_linear;
 

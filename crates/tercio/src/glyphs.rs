@@ -13,7 +13,7 @@
 use std::collections::HashSet;
 
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, AttributeDomain};
 use tercio_scene::{DataReader, Instance, SurfaceData};

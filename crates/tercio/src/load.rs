@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tercio_mesh::arrays::ArraysError;
 use tercio_mesh::builtin::{self, BuiltinError};
@@ -13,6 +12,7 @@ use tercio_mesh::cluster::{self, ClusteredMesh, Order, PartitionOptions};
 use tercio_mesh::io::input::Input;
 use tercio_mesh::io::prepared::is_prepared;
 use tercio_mesh::io::{self, ReadOptions, ReadReport};
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::topology::{self, Topology};

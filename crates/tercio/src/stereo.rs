@@ -3,7 +3,7 @@
 //! [`Stereo`](tercio_scene::Stereo) makes the cameras of the two eyes. Each function takes the finished frames of the
 //! left and the right eye, of the same size, and returns one with the counts and times of both.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::Frame;
 use tercio_raster::color::{DECODE, encode8, encode16};
 use tercio_raster::frame::Planes;

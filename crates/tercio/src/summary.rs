@@ -1,7 +1,7 @@
 //! Counts and bounds of a mesh.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 

@@ -143,7 +143,7 @@ pub struct DrawingArgs {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Tuning (the picture stays the same)")]
 pub struct TuningArgs {
-    /// SIMD level: sse2, sse4.2, avx2, avx512 or neon; scalar if compiled in [default: the best of this processor].
+    /// SIMD level: sse2, avx2, avx512 or neon; scalar if compiled in [default: the best of this processor].
     #[arg(long, value_name = "LEVEL")]
     simd: Option<SimdLevel>,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128 [default: chosen by the renderer].

@@ -1,7 +1,7 @@
 //! The occlusion of every coarse pixel, block by block, and of single pixels.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16};
 use rayon::prelude::*;
 
 use super::coarse::{BLOCK, Coarse, Interleaved, MARGIN, unpacked};
@@ -64,9 +64,9 @@ impl<'a> Finder<'a> {
                 let first = [block_x * BLOCK, block_y * BLOCK];
                 let to = &mut to[MARGIN + first[0]..];
                 if self.visible.surface.perspective {
-                    dispatch!(level, simd => self.of_block::<_, true>(simd, first, to, &mut offsets, level));
+                    tercio_raster::dispatch!(level, simd => self.of_block::<_, true>(simd, first, to, &mut offsets, level));
                 } else {
-                    dispatch!(level, simd => self.of_block::<_, false>(simd, first, to, &mut offsets, level));
+                    tercio_raster::dispatch!(level, simd => self.of_block::<_, false>(simd, first, to, &mut offsets, level));
                 }
             }
         });
@@ -188,9 +188,9 @@ impl<'a> Finder<'a> {
         }
         let row = &self.rows[row];
         if self.visible.surface.perspective {
-            dispatch!(level, simd => self.of_lanes::<_, true>(simd, &places, &depth, &normals, row).to_array())
+            tercio_raster::dispatch!(level, simd => self.of_lanes::<_, true>(simd, &places, &depth, &normals, row).to_array())
         } else {
-            dispatch!(level, simd => self.of_lanes::<_, false>(simd, &places, &depth, &normals, row).to_array())
+            tercio_raster::dispatch!(level, simd => self.of_lanes::<_, false>(simd, &places, &depth, &normals, row).to_array())
         }
     }
 

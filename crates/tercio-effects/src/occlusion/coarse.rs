@@ -1,7 +1,7 @@
 //! Every second pixel of every second row of a frame's depths.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x4, i32x16};
+use fearless_simd::{Level, Simd, f32x4, i32x16};
 use rayon::prelude::*;
 
 use super::pattern::{MAX_RADIUS, PATTERN};
@@ -42,7 +42,7 @@ impl Coarse {
             let depths = depths[MARGIN..].as_chunks_mut::<LANES>().0;
             let packed = packed[MARGIN..].as_chunks_mut::<LANES>().0;
             let (depth, normals) = (&depth[..surface.width], &normals[..surface.width]);
-            dispatch!(level, simd => even(simd, surface, (depth, normals), (depths, packed)))
+            tercio_raster::dispatch!(level, simd => even(simd, surface, (depth, normals), (depths, packed)))
         });
         let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
         Self { size, stride, depth: depths, normals: packed, nearest }
@@ -135,7 +135,7 @@ impl Interleaved {
         let rows = depth.par_chunks_mut(PATTERN * stride).skip(margin).zip(from).take(coarse.size[1]);
         rows.with_min_len(BLOCK).for_each(|(to, from)| {
             let from = &from[MARGIN..MARGIN + across];
-            dispatch!(level, simd => take_apart(simd, from, to, stride, margin / PATTERN));
+            tercio_raster::dispatch!(level, simd => take_apart(simd, from, to, stride, margin / PATTERN));
         });
         Self { depth, margin, stride }
     }
@@ -204,7 +204,7 @@ mod tests {
                     std::array::from_fn(|lane| -at(lane)),
                     std::array::from_fn(|lane| [0.0, 1.0, -1.0][lane % 3]),
                 ];
-                let found = dispatch!(level, simd => {
+                let found = tercio_raster::dispatch!(level, simd => {
                     let [x, y, z] = unpacked(packed(simd, [load(simd, &v[0]), load(simd, &v[1]), load(simd, &v[2])]));
                     [x.to_array(), y.to_array(), z.to_array()]
                 });
@@ -241,7 +241,7 @@ mod tests {
                 assert_eq!(interleaved.depth[interleaved.index(x, y)], expected);
             }
             for (right, below) in (-15..=15).flat_map(|x| (-15..=15).map(move |y| (x, y))) {
-                let offsets = dispatch!(level, simd => {
+                let offsets = tercio_raster::dispatch!(level, simd => {
                     let [right, below] = [i32x16::splat(simd, right), i32x16::splat(simd, below)];
                     interleaved.offsets(simd, right, below).to_array()
                 });

@@ -164,8 +164,8 @@ fn light_above<S: Simd>(simd: S, cosine: Lanes<S>, tilt: Tilt<S>) -> Lanes<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
     use tercio_raster::SimdLevel;
+    use tercio_raster::dispatch;
 
     use super::*;
     use crate::lanes::LANES;

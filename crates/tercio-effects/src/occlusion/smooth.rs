@@ -5,7 +5,7 @@
 //! tangent planes it is. Both are done row by row, so that nothing but the finished colours is kept.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16};
 use rayon::prelude::*;
 
 use super::blocks::Finder;
@@ -98,9 +98,9 @@ impl Smoother<'_> {
                     self.average(lower, y / 2 + 1);
                 }
                 if surface.perspective {
-                    dispatch!(self.level, simd => self.row::<_, true>(simd, y, [upper, lower], light));
+                    tercio_raster::dispatch!(self.level, simd => self.row::<_, true>(simd, y, [upper, lower], light));
                 } else {
-                    dispatch!(self.level, simd => self.row::<_, false>(simd, y, [upper, lower], light));
+                    tercio_raster::dispatch!(self.level, simd => self.row::<_, false>(simd, y, [upper, lower], light));
                 }
                 self.compute_alone(y, light);
                 colors.darken((y - first) * surface.width, &light[..surface.width], self.level);
@@ -118,9 +118,9 @@ impl Smoother<'_> {
             if y >= down {
                 means.clear(x);
             } else if self.finder.visible.surface.perspective {
-                dispatch!(self.level, simd => self.average_16::<_, true>(simd, means, [x, y]));
+                tercio_raster::dispatch!(self.level, simd => self.average_16::<_, true>(simd, means, [x, y]));
             } else {
-                dispatch!(self.level, simd => self.average_16::<_, false>(simd, means, [x, y]));
+                tercio_raster::dispatch!(self.level, simd => self.average_16::<_, false>(simd, means, [x, y]));
             }
         }
     }

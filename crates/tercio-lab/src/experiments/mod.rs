@@ -25,8 +25,8 @@ mod verdict;
 
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde::Serialize;
+use tercio_mesh::loops::prelude::*;
 
 pub use comparison::Comparison;
 pub use facts::Facts;

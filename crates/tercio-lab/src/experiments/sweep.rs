@@ -1,6 +1,6 @@
 //! Sweeps over a parameter inside one experiment.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::ExperimentError;
 

@@ -1,8 +1,8 @@
 //! The triangles of a scene as boxes of samples, in the order of the clusters: the input of simulated organisations of
 //! ranks.
 
-use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::projection::clip::clip_triangle;
 use tercio_raster::screen::ScreenTriangle;
 use tercio_raster::view::{ObjectView, ScreenVertex, View};

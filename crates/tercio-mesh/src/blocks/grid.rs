@@ -1,6 +1,6 @@
 //! A cube of grid cells around a mesh.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::hilbert;
 use crate::Mesh;

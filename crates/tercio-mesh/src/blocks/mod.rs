@@ -17,7 +17,7 @@ pub use order::Order;
 
 use std::sync::Mutex;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::Mesh;
 use order::Sequence;

@@ -1,6 +1,6 @@
 //! Which triangles form a block: runs in the order of the file, or regions of space.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use super::coherence;
@@ -165,5 +165,5 @@ fn sort_finely(mesh: &Mesh, order: &mut [u32], ranks: &[u16]) {
     }
     let edge = (0..3).map(|k| max[k] - min[k]).fold(0.0, f32::max);
     let grid = Grid::cube(min, edge, FINEST);
-    order.par_sort_by_cached_key(|&t| ranks[grid.cell(point(t))]);
+    rayon::slice::ParallelSliceMut::par_sort_by_cached_key(order, |&t| ranks[grid.cell(point(t))]);
 }

@@ -9,8 +9,8 @@
 //! face has four crossings. One vertex for all would make the mesh touch itself there. The vertices are then moved
 //! onto the surface, along its gradient.
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::soup::cube_root;
 use crate::trig::sin_cos;

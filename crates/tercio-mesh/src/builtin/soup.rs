@@ -1,6 +1,6 @@
 //! Unordered random triangles: the worst case of every renderer.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::noise::{hash, unit};
 use crate::Mesh;

@@ -1,6 +1,6 @@
 //! The unit sphere, mapped from the six sides of a box of cells.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::grid_cell;
 use crate::weld::weld;

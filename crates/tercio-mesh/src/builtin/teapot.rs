@@ -9,8 +9,8 @@
 //! evaluated by the same operations in the same order, the borders get the same bits, and welding by position makes
 //! the parts watertight.
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::weld::{position_representatives, weld};
 use crate::{Mesh, OctNormal};

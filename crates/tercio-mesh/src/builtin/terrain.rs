@@ -4,7 +4,7 @@
 //! where the noise changes sign, each octave weighted by the height of the one before, so that valleys are
 //! smooth and summits rough.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::grid_cell;
 use super::noise::{gradient_noise, hash};

@@ -1,6 +1,6 @@
 //! Removes triangles from a mesh.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::CHUNK;
 use crate::{AttributeDomain, Mesh};

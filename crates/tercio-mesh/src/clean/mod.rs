@@ -6,8 +6,8 @@ mod quick;
 use std::collections::HashMap;
 use std::ops::Range;
 
+use crate::loops::prelude::*;
 use fearless_simd::{Level, dispatch};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Mesh;

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::ClipError;
 use super::outline::Segment;
@@ -220,5 +220,6 @@ pub(super) fn rim(mesh: &Mesh, plane: &LocalPlane) -> HashSet<[u32; 3]> {
     let used = vertices::used(mesh);
     let all = mesh.positions.par_iter().zip(used);
     let on = all.filter(|&(&p, used)| used && plane.side(p) == Side::On);
-    on.map(|(&p, _)| position_bits(p)).collect()
+    let on: Vec<[u32; 3]> = on.map(|(&p, _)| position_bits(p)).collect();
+    on.into_iter().collect()
 }

@@ -1,7 +1,7 @@
 //! The vertices of cut edges, and the arrays of what is left.
 
+use crate::loops::prelude::*;
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::plane::LocalPlane;
 use crate::color::{linear_to_srgb, srgb_to_linear};

@@ -1,7 +1,7 @@
 //! How far a mesh reaches in a direction.
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::{Cluster, ClusteredMesh};
 

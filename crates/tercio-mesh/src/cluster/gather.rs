@@ -1,8 +1,8 @@
 //! Writes the memory of the clusters.
 
+use crate::loops::prelude::*;
 use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
-use rayon::prelude::*;
 
 use super::layout::padded;
 use super::partition::Cut;

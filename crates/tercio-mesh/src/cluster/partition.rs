@@ -1,6 +1,6 @@
 //! From a mesh to clusters.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::grow::{Ground, Grower};
 use super::{Cluster, ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, gather, runs, shuffle};

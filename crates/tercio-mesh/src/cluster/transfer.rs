@@ -3,9 +3,9 @@
 //! The bytes of a cluster are its stretch of memory, in which primitives have their numbers in the whole model, then, if they
 //! are sent, the numbers of its triangles' input faces in the whole model, 32 bits each. Numbers are little-endian.
 
+use crate::loops::prelude::*;
 use bytemuck::{Zeroable, bytes_of, cast_slice, cast_slice_mut, pod_read_unaligned};
 use glam::Vec3;
-use rayon::prelude::*;
 
 use super::check;
 use super::{Cluster, ClusteredMesh, Layout, Line, MAX_TRIANGLES, Whole};

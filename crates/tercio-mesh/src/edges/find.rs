@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::{Edge, EdgeKind, Edges, Selection};
 use crate::Mesh;

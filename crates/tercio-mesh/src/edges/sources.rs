@@ -1,6 +1,6 @@
 //! Edges of an indexed mesh, and of one in clusters.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::{Edges, Selection, find};
 use crate::{Attribute, ClusteredMesh, Mesh};

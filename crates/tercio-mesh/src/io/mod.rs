@@ -19,8 +19,8 @@ pub mod xyz;
 
 use std::path::{Path, PathBuf};
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::strokes::Strokes;

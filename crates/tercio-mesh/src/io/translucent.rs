@@ -1,6 +1,6 @@
 //! What of a model is not opaque.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Mesh;

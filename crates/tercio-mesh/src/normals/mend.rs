@@ -1,6 +1,6 @@
 //! Replaces the missing or invalid normals of a file, one by one.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::{OctNormal, Splits, creased, smooth, uncreased};
 use crate::Mesh;

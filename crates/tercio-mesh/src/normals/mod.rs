@@ -28,8 +28,8 @@ mod tests;
 pub use mend::mend_normals;
 pub use oct::OctNormal;
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::adjacency::Adjacency;
 use crate::blocks::{BlockedMesh, Blocks, Order};

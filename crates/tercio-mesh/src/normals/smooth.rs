@@ -6,8 +6,8 @@
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use crate::loops::prelude::*;
 use fearless_simd::{Level, dispatch};
-use rayon::prelude::*;
 
 use super::OctNormal;
 use super::encode;
@@ -78,7 +78,8 @@ fn settle_parts(left: &[Left], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
             _ => Some(vertex),
         }
     };
-    order.par_chunk_by(|a, b| a.0 == b.0).filter_map(unsettled).collect()
+    let groups: Vec<_> = order.chunk_by(|a, b| a.0 == b.0).collect();
+    groups.into_par_iter().filter_map(unsettled).collect()
 }
 
 /// Also not a normal: the vertex has not occurred yet.

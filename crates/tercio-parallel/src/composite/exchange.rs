@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use bytemuck::pod_read_unaligned;
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::Outputs;
 
 use super::packet::{self, Merged, PacketError};
@@ -149,10 +149,10 @@ fn take_in(
         }
         Ok(sum)
     };
-    let add = |a: Merged, b: Merged| Ok(Merged { pixels: a.pixels + b.pixels, won: a.won + b.won });
-    let merged = work.par_iter_mut().with_max_len(1).map(merge).try_reduce(Merged::default, add);
+    let merged: Result<Vec<Merged>, ParallelError> = work.par_iter_mut().with_max_len(1).map(merge).collect();
     parts.extend(work.into_iter().map(|(tile, own, _)| (tile, own)));
-    merged
+    let add = |a: Merged, b: Merged| Merged { pixels: a.pixels + b.pixels, won: a.won + b.won };
+    Ok(merged?.into_iter().fold(Merged::default(), add))
 }
 
 /// Appends a tile to a message.

@@ -2,7 +2,7 @@
 //!
 //! Only pixels that differ from the background are sent: rank 0 fills the tiles of the others with it first.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::Pixel;
 use tercio_raster::{Frame, Outputs};

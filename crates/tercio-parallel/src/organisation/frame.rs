@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use rayon::prelude::*;
 use rayon::scope;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};

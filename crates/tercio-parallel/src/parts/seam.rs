@@ -12,8 +12,8 @@
 use std::ops::Range;
 
 use bytemuck::{Pod, cast_slice, pod_collect_to_vec};
-use rayon::prelude::*;
 use tercio_mesh::Mesh;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::weld::position_bits;
 
 use super::ghosts::{self, Ghosts};

@@ -77,7 +77,7 @@ fn level<S: Simd>(simd: S, table: &[i32; 128], linear: f32x16<S>) -> i32x16<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
 
     use super::*;
     use crate::color::encode8;

@@ -66,7 +66,7 @@ fn limited<S: Simd>(simd: S, c: f32x16<S>) -> f32x16<S> {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
 
     use super::*;
     use crate::settings::SimdLevel;

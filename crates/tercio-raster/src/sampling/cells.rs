@@ -182,7 +182,7 @@ impl SampleCenters {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
     use fearless_simd::prelude::*;
 
     use super::*;

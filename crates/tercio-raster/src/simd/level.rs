@@ -13,8 +13,6 @@ pub enum SimdLevel {
     Scalar,
     /// x86-64 baseline, 128 bits.
     Sse2,
-    /// x86-64-v2, 128 bits.
-    Sse42,
     /// x86-64-v3, 256 bits.
     Avx2,
     /// AVX-512 as in Ice Lake, Zen 4 and later, 512 bits.
@@ -25,14 +23,13 @@ pub enum SimdLevel {
 
 impl SimdLevel {
     /// All levels, slowest first.
-    pub const ALL: [Self; 6] = [Self::Scalar, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
+    pub const ALL: [Self; 5] = [Self::Scalar, Self::Sse2, Self::Avx2, Self::Avx512, Self::Neon];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
             Self::Sse2 => "sse2",
-            Self::Sse42 => "sse4.2",
             Self::Avx2 => "avx2",
             Self::Avx512 => "avx512",
             Self::Neon => "neon",
@@ -57,8 +54,6 @@ impl SimdLevel {
             Self::Scalar => Some(Level::Fallback(fearless_simd::Fallback::new())),
             #[cfg(target_arch = "x86_64")]
             Self::Sse2 => best.as_sse2().map(Level::Sse2),
-            #[cfg(target_arch = "x86_64")]
-            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => best.as_avx2().map(Level::Avx2),
             #[cfg(target_arch = "x86_64")]

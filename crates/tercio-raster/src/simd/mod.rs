@@ -4,6 +4,7 @@
 //! lanes in the same order. The level is selected with `dispatch!` at the start of a batch of work and nowhere else:
 //! [`crate::Renderer`] does it; the kernels with the full counts of [`crate::tally`] always run at the baseline level.
 
+pub mod dispatch;
 mod level;
 #[cfg(target_arch = "x86_64")]
 mod x86_64;

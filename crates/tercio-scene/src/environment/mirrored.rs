@@ -1,7 +1,7 @@
 //! What surfaces of different roughness mirror of a panorama: octahedral maps, blurred by the distribution of microfacets.
 
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::trig::{acos, atan2, sin_cos};
 
 use super::Panorama;

@@ -1,7 +1,7 @@
 //! The extent of a model that is not in the scene, or not whole.
 
 use glam::DVec3;
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, Mesh};
 

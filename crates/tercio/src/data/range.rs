@@ -1,7 +1,7 @@
 //! The range of values that triangles use. Vertices in several clusters count several times.
 
-use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
+use tercio_mesh::loops::prelude::*;
 use tercio_scene::DataReader;
 
 /// An end of the range that colours cover.
@@ -164,8 +164,8 @@ pub(super) fn different(values: &Values, most: usize) -> Option<Vec<f32>> {
     };
     let pieces = (0..values.pieces()).into_par_iter().with_min_len(64);
     let all = pieces
-        .try_fold(Vec::new, |all, piece| merge(all, &of_piece(piece)))
-        .try_reduce(Vec::new, |a, b| merge(a, &b))?;
+        .fold(|| Some(Vec::new()), |all, piece| all.and_then(|all| merge(all, &of_piece(piece))))
+        .reduce(|| Some(Vec::new()), |a, b| merge(a?, &b?))?;
     Some(all.into_iter().map(value).collect())
 }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 use tercio_mesh::cluster::Layout;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_scene::{DataColors, DataSource, SurfaceData};
 

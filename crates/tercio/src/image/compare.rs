@@ -1,6 +1,6 @@
 //! The differences between two pictures.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::{ImageError, Picture, Pixels};
 

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::{fmt, fs};
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_raster::Frame;
 
 pub use compare::{Difference, compare};

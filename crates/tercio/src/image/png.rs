@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::io::{self, Cursor, Write};
 
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations, Writer};
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use self::rows::{Rgb8, Rgb16, Rgba8, Rgba16, compress};
 use super::{ImageError, Picture, PictureFormat, Pixels};

@@ -1,6 +1,6 @@
 //! How alike two pictures look: PSNR and SSIM.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::{ImageError, Picture, Pixels};
 

@@ -34,8 +34,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 use tercio_mesh::edges::Edges;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, AttributeDomain};
 use tercio_scene::{DataReader, Instance, Surface, SurfaceData};

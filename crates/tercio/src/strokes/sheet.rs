@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use tercio_mesh::cluster::{Order, PartitionOptions, partition};
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
 use tercio_scene::{DataColors, DataSource, Instance, Surface, SurfaceData};
 

@@ -1,8 +1,8 @@
 //! Which edges are certainly not on the silhouette, found without projecting them: nearly all of them are not.
 
 use glam::{DAffine3, DVec3};
-use rayon::prelude::*;
 use tercio_mesh::edges::{Edge, Edges};
+use tercio_mesh::loops::prelude::*;
 
 use super::eye::Eye;
 

@@ -1,6 +1,6 @@
 //! Normals in tangent space from heights.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 /// Height of white above black, in texels. The manual of MTL names no unit. With 4, the edges of stones and letters in
 /// common bump maps, which are a few texels wide, have slopes of 30 to 45 degrees.

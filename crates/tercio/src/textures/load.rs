@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::{FileMaterial, FileTexture, Progress, TextureRole};
 use tercio_scene::{AlphaMode, InstanceMaterials, Scene, Texture};
 

@@ -1,7 +1,7 @@
 //! A decoded picture, and what its numbers may mean.
 
-use rayon::prelude::*;
 use tercio_mesh::TextureChannel;
+use tercio_mesh::loops::prelude::*;
 use tercio_scene::Texture;
 use tercio_scene::texture::Encoding;
 

@@ -1,8 +1,8 @@
 //! Lines of equal value on a surface, as segments in its triangles.
 
 use glam::DVec3;
-use rayon::prelude::*;
 use tercio_mesh::AttributeDomain;
+use tercio_mesh::loops::prelude::*;
 use tercio_scene::data::DataReader;
 use tercio_scene::{Instance, SurfaceData};
 

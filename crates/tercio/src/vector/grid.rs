@@ -4,7 +4,7 @@
 //! of triangles. Long thin ones are in more but smaller cells than their boxes would need.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::hiders::Hiders;
 use crate::data::sort_key;

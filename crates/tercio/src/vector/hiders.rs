@@ -5,7 +5,7 @@
 //! ends are found by dividing once, without projecting anything.
 
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_scene::{Instance, Scene};
 
 use super::grid::Grids;

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DVec2, DVec3};
-use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::edges::{Edge, Edges};
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::mesh::power_of_two;
 use tercio_mesh::strokes::Strokes;
 use tercio_scene::Instance;

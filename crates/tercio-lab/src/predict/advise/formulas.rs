@@ -7,7 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 use tercio_parallel::{Organisation, Sharing};
 use tercio_scene::Instance;
 
@@ -105,6 +105,7 @@ pub fn ranks(
         }
         Ok(found)
     };
+    let numbers: Vec<usize> = numbers.iter().copied().collect();
     let all: Result<Vec<_>, _> = numbers.par_iter().map(of_ranks).collect();
     Ok(all?.into_iter().flatten().collect())
 }

@@ -10,8 +10,8 @@
 //! The second and third are left out where the work alone, shared evenly, takes longer than the best that is known of the class. What
 //! else is simulated does not depend on how many processors there may be, so a larger power of two gives no worse an answer.
 
-use rayon::prelude::*;
 use serde::Serialize;
+use tercio_mesh::loops::prelude::*;
 
 use super::splits::EVERY;
 use crate::machines::{Control, Machine, Topology};

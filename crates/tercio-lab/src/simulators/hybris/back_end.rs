@@ -1,7 +1,7 @@
 //! The back end: all tiles of a frame on one or two tile engines.
 
-use rayon::prelude::*;
 use serde::Serialize;
+use tercio_mesh::loops::prelude::*;
 
 use super::FrontEnd;
 use super::front_end::Tiles;

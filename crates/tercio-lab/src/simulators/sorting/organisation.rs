@@ -5,8 +5,8 @@
 //! instruction, in a ring, run by the rules of [`super::simd`]. Sources: document 000, chapters 4 and 6 and appendix A;
 //! document 001, 2.3.
 
-use rayon::prelude::*;
 use serde::Serialize;
+use tercio_mesh::loops::prelude::*;
 
 use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};

@@ -13,7 +13,7 @@ mod header;
 mod packed;
 mod skipped;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::error::{Place, counted};

@@ -3,10 +3,10 @@
 
 use std::io::Cursor;
 
+use crate::loops::prelude::*;
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{LazItem, LazItemType, LazVlr};
-use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::header::{Header, u16_at, u32_at, u64_at};

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::error::{Place, counted, printable};
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
@@ -172,13 +172,13 @@ fn warn_of_missing_texcoords(chunks: &[Chunk], warnings: &mut Vec<String>) {
 
 /// Colours that follow the positions: 0 to 1, or 0 to 255 as some programs write them.
 fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> Option<Vec<[u8; 4]>> {
-    let largest = chunks
-        .par_iter()
-        .filter(|c| !c.colors.is_empty())
-        .map(|c| {
-            c.colors.iter().flat_map(|c| &c[..3]).filter(|x| x.is_finite()).fold(0.0f32, |a, &b| a.max(b))
-        })
-        .reduce_with(f32::max)?;
+    if chunks.iter().all(|c| c.colors.is_empty()) {
+        return None;
+    }
+    let largest_of = |c: &Chunk| {
+        c.colors.iter().flat_map(|c| &c[..3]).filter(|x| x.is_finite()).fold(0.0f32, |a, &b| a.max(b))
+    };
+    let largest = chunks.par_iter().map(largest_of).reduce(|| 0.0, f32::max);
     // Colours computed in floating point may exceed 1 by a little.
     let is_bytes = largest > 2.0;
     if is_bytes {

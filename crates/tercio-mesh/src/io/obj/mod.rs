@@ -17,7 +17,7 @@ mod parse;
 pub(super) mod transcode;
 mod unify;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::mesh::MAX_ELEMENTS;
 

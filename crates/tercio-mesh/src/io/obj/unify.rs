@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::mesh::MAX_ELEMENTS;
 
@@ -122,12 +122,12 @@ impl Vertices {
     }
 
     /// The texture-coordinate index of every vertex; out of range where there is none.
-    pub fn texcoords(&self) -> impl IndexedParallelIterator<Item = u32> {
+    pub fn texcoords(&self) -> impl Loop<Item = u32> {
         self.first.par_iter().map(|f| f[0]).chain(self.extra.par_iter().map(|e| e[1]))
     }
 
     /// The normal index of every vertex; out of range where there is none.
-    pub fn normals(&self) -> impl IndexedParallelIterator<Item = u32> {
+    pub fn normals(&self) -> impl Loop<Item = u32> {
         self.first.par_iter().map(|f| f[1]).chain(self.extra.par_iter().map(|e| e[2]))
     }
 }

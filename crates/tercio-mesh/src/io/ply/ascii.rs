@@ -9,7 +9,7 @@
 use std::borrow::Cow;
 use std::sync::atomic::Ordering::Relaxed;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::Job;
 use super::header::{Element, Header};

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::Job;
 use super::faces::{Triangles, from_faces, from_strips};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::direct;
 use super::header::{Element, Header, Scalar, Shape};

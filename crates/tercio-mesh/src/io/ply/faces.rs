@@ -1,6 +1,6 @@
 //! Converts faces and strips to triangles.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::Job;
 use super::table::{Lists, Table};

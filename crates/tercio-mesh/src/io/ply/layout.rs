@@ -1,6 +1,6 @@
 //! Where the instances of an element are in a binary file.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::binary::{Binary, number};
 use super::header::{Element, Scalar, Shape};

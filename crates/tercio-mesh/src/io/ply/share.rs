@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::binary::{Binary, number};
 use super::header::{Element, Encoding, Header, Scalar, Shape};

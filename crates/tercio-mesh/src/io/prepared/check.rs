@@ -1,6 +1,6 @@
 //! Checks that the clusters of a file have the properties that a renderer relies on.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::format::Kind;
 use crate::cluster::{ClusteredMesh, Layout, MAX_TRIANGLES, MAX_VERTICES, check};

@@ -1,6 +1,6 @@
 //! What depends on the whole of a model.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::OctNormal;
 use crate::io::{ReadModel, Translucent, count_all, warn_of_normals};

@@ -3,7 +3,7 @@
 //! Read as a stream of words, so that any white space is accepted. Unknown words are skipped between the statements,
 //! but never where numbers are expected.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::error::{Place, counted};
 use crate::io::obj::transcode;

@@ -5,8 +5,8 @@
 //! are ignored with a warning; fewer facets than the header counts are an error, and so are more, because nobody can
 //! know what the file was meant to hold. The error states both numbers.
 
+use crate::loops::prelude::*;
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::error::{Place, counted};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use crate::error::Place;
 use crate::io::input::Input;
@@ -213,9 +213,9 @@ impl Numbers<'_> {
                         |b: &[u8]| T::read(b, numbers.big_endian).index().is_none_or(|index| index >= limit);
                     CHUNK * chunk + bytes.chunks_exact(size).position(is_wrong).unwrap_or_default()
                 });
-            match wrong.min() {
-                Some(wrong) if wrong < usize::MAX => Err(wrong),
-                _ => Ok(values),
+            match wrong.reduce(|| usize::MAX, usize::min) {
+                usize::MAX => Ok(values),
+                wrong => Err(wrong),
             }
         }
         typed!(self.scalar, T => convert::<T>(self, limit))

@@ -1,6 +1,6 @@
 //! One data set as triangles, lines and points with their data, before it is joined with those of other files.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::dataset::{Array, Cells, DataSet, Job, Points, Use};
 use super::numbers::Scalar;

@@ -1,6 +1,6 @@
 //! The numbers of all lines.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::front::{Column, Front, is_comment, number};
 use crate::ReadError;

@@ -289,7 +289,7 @@ pub fn pixels<S: Simd>(simd: S, t: &SmallTriangles<S>, lanes: u32) -> [i32; 2] {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
     use proptest::prelude::*;
 
     use super::*;

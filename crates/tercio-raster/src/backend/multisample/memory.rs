@@ -257,7 +257,7 @@ impl SampleMemory {
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::dispatch;
+    use crate::dispatch;
     use proptest::prelude::*;
 
     use super::*;

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::Film;
 use crate::image::{ImageError, Picture, Pixels};

@@ -1,6 +1,6 @@
 //! The rows of a picture as a stream of PNG: filtered and compressed, bands of rows in parallel.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::deflate::{Block, Content, Counts, Written, checksum};
 

@@ -1,6 +1,6 @@
 //! Sort-twice against sort-middle: figures 6-6 and 6-7.
 
-use rayon::prelude::*;
+use tercio_mesh::loops::prelude::*;
 
 use super::super::super::hidden::short;
 use super::super::super::sweep::sweep;

@@ -8,7 +8,7 @@ mod builder;
 mod grid;
 mod volumes;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::cells::{self, Shape};
 use super::dataset::{Array, Cells, DataSet, Ends, Job};

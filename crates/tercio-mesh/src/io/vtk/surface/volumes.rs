@@ -3,7 +3,7 @@
 //! All faces are sorted by their corners, so that equal ones are neighbours: time is linear up to a logarithm,
 //! whatever the file holds.
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::{CHUNK, Extraction, Part};
 use crate::ReadError;

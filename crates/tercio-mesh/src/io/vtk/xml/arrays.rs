@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use rayon::prelude::*;
+use crate::loops::prelude::*;
 
 use super::base64::{characters, decode};
 use super::compress::{Compressor, decompress};

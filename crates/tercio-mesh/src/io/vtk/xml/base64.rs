@@ -1,9 +1,9 @@
 //! Base64, on several cores.
 
+use crate::loops::prelude::*;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use rayon::prelude::*;
 
 const ENGINE: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
