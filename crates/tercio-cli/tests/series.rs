@@ -213,7 +213,21 @@ fn models_of_a_series_have_one_camera_and_natural_order() {
         let points = [[size, 0.0], [0.0, size], [-size, -size]].map(|[x, y]| format!("{x} {y} 0\n")).concat();
         std::fs::write(place.path(name), format!("OFF\n3 1 0\n{points}3 0 1 2\n")).unwrap();
     }
-    place.run(&format!("render s10.off s9.off -o s{{step}}.png --view front {SMALL}")).ok_silently();
+    let series = format!("render s10.off s9.off -o s{{step}}.png --view front {SMALL}");
+    // Rows of the background have one colour: a model that leaves the picture shows at its border.
+    let is_whole = |name: &str| {
+        let pixels = pixels(&place.read(name));
+        let rows: Vec<_> = pixels.chunks(64).collect();
+        let is_one = |row: &&[[u8; 4]]| row.iter().all(|p| *p == row[0]);
+        assert!(!rows.iter().all(is_one), "{name} shows the model");
+        [rows[0], rows[rows.len() - 1]].iter().all(is_one) && rows.iter().all(|row| row[0] == row[row.len() - 1])
+    };
+    place.run(&series).ok_silently();
+    assert!(is_whole("s0.png") && is_whole("s1.png"), "all models are framed");
+    let all = [place.read("s0.png"), place.read("s1.png")];
+    place.run(&format!("{series} --frame-over first")).ok_silently();
+    assert!(is_whole("s0.png") && !is_whole("s1.png"), "the first model is framed");
+    assert!(all[0] != place.read("s0.png"));
     place.run(&format!("render s9.off -o alone.png --view front {SMALL}")).ok_silently();
     assert!(place.read("s0.png") == place.read("alone.png"), "the first one is s9, and has its own camera");
     place.run(&format!("render s10.off -o alone.png --view front {SMALL}")).ok_silently();

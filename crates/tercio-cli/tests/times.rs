@@ -57,7 +57,7 @@ fn numbered_pictures_and_films_show_all_times_in_their_order() {
         let expected: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
         assert!(shown == expected, "{file} in the film");
     }
-    // All have the camera of the first one, if none is given.
+    // All have the camera that frames all of them, if none is given.
     place.run("render run.pvd -o g{}.png --size 48x36 --quiet --view front").ok_silently();
     place.run("render a.vtk b.vtk c.vtk -o h{}.png --size 48x36 --quiet --view front").ok_silently();
     assert!((0..3).all(|n| place.read(&format!("g{n}.png")) == place.read(&format!("h{n}.png"))));

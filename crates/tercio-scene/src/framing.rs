@@ -6,9 +6,11 @@
 use glam::DVec3;
 
 mod extent;
+mod outline;
 mod turntable;
 
 pub use extent::Extent;
+pub use outline::Outline;
 
 use crate::camera::CameraBasis;
 use crate::{Camera, Projection, Scene};

@@ -111,6 +111,14 @@ impl Instance {
         let origin = self.world_from_object.transform_point3(mesh.origin) - from;
         direction.dot(origin) + mesh.farthest(d) * mesh.unit()
     }
+
+    /// A vertex, in world space, that reaches farthest in a direction; none if there are none.
+    pub fn farthest(&self, direction: DVec3) -> Option<DVec3> {
+        let mesh = &*self.mesh;
+        let vertex = mesh.farthest_vertex(self.world_from_object.matrix3.transpose() * direction)?;
+        let position = mesh.origin + DVec3::from(vertex.map(f64::from)) * mesh.unit();
+        Some(self.world_from_object.transform_point3(position))
+    }
 }
 
 /// How a surface reflects light.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use tercio::CameraPath;
 use tercio::camera_path::{self, FileKeyframe};
 use tercio::glam::DVec3;
@@ -56,12 +56,25 @@ pub struct SeriesArgs {
     /// Which of the times of a collection (.pvd) is drawn: the one nearest to T.
     #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::number)]
     time: Option<f64>,
+    /// Which models of a series the camera frames: all of them, which are read before the first one is drawn, so that none leaves the
+    /// picture; or only the first one.
+    #[arg(long, value_name = "STEPS", value_enum, default_value_t = FrameOver::All)]
+    frame_over: FrameOver,
     /// Draws only the pictures of a series whose files are not there or not whole, after an interrupted run of the same command.
     #[arg(long)]
     pub resume: bool,
     /// Draws again whenever the file of the model changes, until the program is interrupted.
     #[arg(long, conflicts_with = "resume")]
     pub watch: bool,
+}
+
+/// `--frame-over`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FrameOver {
+    /// All models.
+    All,
+    /// The first one.
+    First,
 }
 
 /// A format of the output: of one picture, or of a film.
@@ -201,6 +214,11 @@ impl SeriesArgs {
             }
         };
         Ok(Motion::Path(keys, count))
+    }
+
+    /// Whether the camera of a series of models is placed so that it frames all of them.
+    pub fn frames_all(&self) -> bool {
+        self.frame_over == FrameOver::All && self.camera_path.is_none()
     }
 
     /// Whether the camera moves round one model.

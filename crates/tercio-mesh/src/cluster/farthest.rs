@@ -52,6 +52,26 @@ impl ClusteredMesh {
         groups().fold(|| start, look).reduce(|| start, f64::max)
     }
 
+    /// A vertex that is [farthest](Self::farthest) in a direction; none if there are none, or none that is finite.
+    pub fn farthest_vertex(&self, direction: DVec3) -> Option<[f32; 3]> {
+        let (most, d) = (self.farthest(direction), direction.to_array());
+        let along = |p: [f32; 3]| {
+            let p = p.map(f64::from);
+            d[0] * p[0] + d[1] * p[1] + d[2] * p[2]
+        };
+        let reaches = |[min, max]: Corners| {
+            along(std::array::from_fn(|k| if d[k] < 0.0 { min[k] } else { max[k] })) >= most
+        };
+        let groups = self.groups().iter().enumerate().filter(|(_, of)| reaches(**of));
+        let mut clusters = groups
+            .flat_map(|(group, _)| (group * GROUP..self.clusters().len()).take(GROUP))
+            .filter(|&number| reaches(corners(&self.clusters()[number])));
+        clusters.find_map(|number| {
+            let cluster = self.cluster(number);
+            (0..cluster.vertices()).map(|v| cluster.position(v)).find(|&p| along(p) == most)
+        })
+    }
+
     /// The boxes of [`GROUP`] clusters each.
     fn groups(&self) -> &[Corners] {
         self.groups.get_or_init(|| {
@@ -110,6 +130,8 @@ mod tests {
             let d = DVec3::from_array(direction.map(f64::from)) / 7.0;
             for mesh in &*MESHES {
                 prop_assert_eq!(mesh.farthest(d), of_all_vertices(mesh, d));
+                let vertex = DVec3::from(mesh.farthest_vertex(d).unwrap().map(f64::from));
+                prop_assert!((d.dot(vertex) - mesh.farthest(d)).abs() < 1e-9);
             }
         }
     }
@@ -117,5 +139,6 @@ mod tests {
     #[test]
     fn nothing_reaches_nowhere() {
         assert_eq!(ClusteredMesh::default().farthest(DVec3::X), f64::NEG_INFINITY);
+        assert_eq!(ClusteredMesh::default().farthest_vertex(DVec3::X), None);
     }
 }

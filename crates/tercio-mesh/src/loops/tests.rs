@@ -171,7 +171,10 @@ fn elements_are_dropped_once() {
 fn a_panic_reaches_the_caller() {
     let list: Vec<String> = (0..100).map(|k| k.to_string()).collect();
     let result = std::panic::catch_unwind(|| {
-        list.clone().into_par_iter().map(|text| if text == "63" { panic!("63") } else { text }).collect::<Vec<_>>()
+        list.clone()
+            .into_par_iter()
+            .map(|text| if text == "63" { panic!("63") } else { text })
+            .collect::<Vec<_>>()
     });
     assert_eq!(result.unwrap_err().downcast_ref::<&str>(), Some(&"63"));
 }

@@ -48,6 +48,14 @@ impl Extent {
         self.bounds
     }
 
+    /// A vertex that reaches farthest in a direction; none if there are none.
+    pub fn farthest(&self, direction: DVec3) -> Option<DVec3> {
+        let along = |p: &&[f32; 3]| direction.dot(DVec3::from(p.map(f64::from)));
+        let vertex =
+            self.points.par_iter().with_min_len(1 << 14).max_by(|a, b| along(a).total_cmp(&along(b)))?;
+        Some(self.origin + DVec3::from(vertex.map(f64::from)) * self.unit)
+    }
+
     /// As [`Instance::reach`](crate::Instance::reach), with the same bits.
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         let d = direction;

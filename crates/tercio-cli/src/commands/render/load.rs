@@ -171,6 +171,9 @@ impl Render {
             let file = &files[number];
             model.frame_in(&mut subject, &scene, (file.loaded.whole.as_ref(), &file.strokes));
         }
+        if let Some(outline) = &self.outline {
+            subject.add_outline(outline);
+        }
         let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
         let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };
         let cameras =

@@ -34,6 +34,7 @@ use tercio::image::Destination;
 use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
 use tercio::raster::{Frame, Settings};
+use tercio::scene::framing::Outline;
 use tercio::scene::{Background, Scene};
 use tercio::vector::Page;
 use tercio_lab::predict::choose::Choice;
@@ -148,6 +149,9 @@ pub struct Render {
     /// Further places of the model.
     #[arg(skip)]
     pub placements: Vec<Placement>,
+    /// The other models of the series, which the camera frames, too.
+    #[arg(skip)]
+    outline: Option<Arc<Outline>>,
     /// Where the options come from, besides the command line.
     #[arg(skip)]
     pub origin: Origin,

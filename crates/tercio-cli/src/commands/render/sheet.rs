@@ -263,9 +263,9 @@ impl Group {
         if self.steps.len() > 1 {
             let models: Vec<ModelArgs> = self.steps.iter().map(|step| step.render.model.clone()).collect();
             // An error in a model is reported when that is drawn.
-            if let Ok(Some(survey)) = self.steps[0].render.survey(&models, display) {
+            if let Ok(of_series) = self.steps[0].render.survey(&models, display) {
                 for Item { render, .. } in &mut self.steps {
-                    render.data = render.data.of_series(&survey);
+                    *render = render.clone().of_series(&of_series);
                 }
             }
         }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 use tercio::scene::Instance;
+use tercio::scene::framing::{Extent, Outline};
 use tercio::{LoadOptions, Normals};
 
 use super::alone::{Artist, done};
@@ -20,8 +21,17 @@ use crate::output::UsageError;
 use crate::progress::Display;
 use crate::{ending, mpi, report};
 
+/// What the pictures of a series of models have in common.
+#[derive(Default)]
+pub(super) struct OfSeries {
+    /// What their colours depend on, if they shall mean the same in all pictures.
+    colors: Option<Survey>,
+    /// What the camera frames.
+    outline: Option<Arc<Outline>>,
+}
+
 impl Render {
-    /// Draws the models one after the other. All have the camera of the first one.
+    /// Draws the models one after the other, with one camera.
     pub(super) fn run_steps(&self, steps: &[ModelArgs]) -> Result<ExitCode> {
         let start = Instant::now();
         let first = self.with_model(&steps[0]);
@@ -59,7 +69,7 @@ impl Render {
 
     fn draw_steps(&self, job: &Job, steps: &[ModelArgs]) -> Result<(Done, Vec<serde_json::Value>)> {
         let display = Display::new(self.running.progress_mode());
-        let survey = self.survey(steps, &display)?;
+        let of_series = self.survey(steps, &display)?;
         self.begin_pictures(job, &display);
         let mut running = Running::new(self, job, &display)?;
         let mut artist = Artist::new(job.drawers, self.ranks.now().map(|_| Default::default()));
@@ -67,10 +77,7 @@ impl Render {
         let silent = Display::new(ProgressMode::Never);
         let (mut first, mut loads) = (None, Vec::new());
         for (number, model) in steps.iter().enumerate() {
-            let mut step = self.with_model(model);
-            if let Some(survey) = &survey {
-                step.data = step.data.of_series(survey);
-            }
+            let step = self.with_model(model).of_series(&of_series);
             ending::name_model(step.model.name());
             let mut loaded = step.load(job, &silent, None::<&mut mpi::Comm>)?;
             step.print_warnings(&loaded.reports);
@@ -92,33 +99,65 @@ impl Render {
         Ok((done(loaded, running.finish()?, artist.choice, artist.trace), loads))
     }
 
-    /// What the colours of all steps depend on, if they shall mean the same in all pictures: the models are read for that.
-    pub(super) fn survey(&self, steps: &[ModelArgs], display: &Display) -> Result<Option<Survey>> {
-        let models = match self.data.range_over() {
-            None | Some(RangeOver::Each) => return Ok(None),
-            Some(RangeOver::First) => &steps[..1],
-            Some(RangeOver::All) => steps,
-        };
-        display.progress.begin("finding the range of all steps", models.len() as u64);
-        let mut all = Survey::default();
-        for model in models {
+    /// What the pictures of all steps have in common: the models are read for that.
+    ///
+    /// # Errors
+    /// The data of a model: what else is wrong with it is reported when it is drawn.
+    pub(super) fn survey(&self, steps: &[ModelArgs], display: &Display) -> Result<OfSeries> {
+        let count = |is_all: bool| if is_all { steps.len() } else { 1 };
+        let with_data = self.data.range_over().filter(|over| *over != RangeOver::Each);
+        let with_data = with_data.map_or(0, |over| count(over == RangeOver::All));
+        let frames_all = steps.len() > 1 && self.series.frames_all() && self.camera.frames_model();
+        let framed = if frames_all { steps.len() } else { 0 };
+        if with_data.max(framed) == 0 {
+            return Ok(OfSeries::default());
+        }
+        let what =
+            if with_data == 0 { "finding the size of all steps" } else { "finding the range of all steps" };
+        display.progress.begin(what, with_data.max(framed) as u64);
+        let (mut colors, mut outline) = (Survey::default(), Outline::default());
+        for (number, model) in steps.iter().enumerate().take(with_data.max(framed)) {
             ending::name_model(model.name());
             let options = LoadOptions {
                 memory_limit: self.running.memory_limit(),
                 normals: self.data.normals(Normals::File, None),
                 clip: self.clip.clipping(),
-                make: self.data.made(),
+                make: if number < with_data { self.data.made() } else { None },
                 step: model.moment.map(|moment| moment.number),
                 ..LoadOptions::default()
             };
-            let loaded = options.load(&model.model)?;
+            let loaded = match options.load(&model.model) {
+                Ok(loaded) => loaded,
+                Err(error) if number < with_data => return Err(error.into()),
+                Err(_) => continue,
+            };
             let up = self.camera.for_format(&loaded.report.read.format).front().up;
             let place = self.place.transform();
             let instance = Instance { world_from_object: place, ..Instance::new(loaded.mesh) };
-            let survey = self.data.survey(&instance, &loaded.strokes, up);
-            all = all.and(survey.with_context(|| model.name())?);
+            if number < with_data {
+                let survey = self.data.survey(&instance, &loaded.strokes, up);
+                colors = colors.and(survey.with_context(|| model.name())?);
+            }
+            if number < framed {
+                match &loaded.whole {
+                    Some(whole) => outline.add_extent(whole, &place),
+                    None => outline.add(&instance.bounds(), |direction| instance.farthest(direction)),
+                }
+                outline.add_extent(&Extent::of_strokes(&loaded.strokes), &place);
+            }
             display.progress.advance(1);
         }
-        Ok(Some(all))
+        let outline = (framed > 0).then(|| Arc::new(outline));
+        Ok(OfSeries { colors: (with_data > 0).then_some(colors), outline })
+    }
+
+    /// These options for a model of a series.
+    #[must_use]
+    pub(super) fn of_series(mut self, series: &OfSeries) -> Self {
+        if let Some(colors) = &series.colors {
+            self.data = self.data.of_series(colors);
+        }
+        self.outline.clone_from(&series.outline);
+        self
     }
 }

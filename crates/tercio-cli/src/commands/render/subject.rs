@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use tercio::glam::{DAffine3, DVec3};
 use tercio::mesh::Aabb;
 use tercio::scene::Instance;
-use tercio::scene::framing::Extent;
+use tercio::scene::framing::{Extent, Outline};
 
 /// Everything that is framed.
 #[derive(Default)]
@@ -17,6 +17,8 @@ enum Piece<'a> {
     Instance(&'a Instance),
     /// At a place in the world.
     Extent(Cow<'a, Extent>, DAffine3),
+    /// Models of other pictures.
+    Outline(&'a Outline),
 }
 
 impl<'a> Subject<'a> {
@@ -28,6 +30,11 @@ impl<'a> Subject<'a> {
     /// Adds an extent at a place.
     pub fn add_extent(&mut self, extent: Cow<'a, Extent>, world_from_object: DAffine3) {
         self.pieces.push(Piece::Extent(extent, world_from_object));
+    }
+
+    /// Adds the models of other pictures.
+    pub fn add_outline(&mut self, outline: &'a Outline) {
+        self.pieces.push(Piece::Outline(outline));
     }
 
     /// World-space bounds.
@@ -47,12 +54,14 @@ impl Piece<'_> {
         match self {
             Self::Instance(instance) => instance.bounds(),
             Self::Extent(extent, place) => placed(&extent.bounds(), place),
+            Self::Outline(outline) => outline.bounds(),
         }
     }
 
     fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         match self {
             Self::Instance(instance) => instance.reach(direction, from),
+            Self::Outline(outline) => outline.reach(direction, from),
             Self::Extent(extent, place) if *place == DAffine3::IDENTITY => extent.reach(direction, from),
             Self::Extent(extent, place) => {
                 // Relative to a point of the extent, so that nothing is lost far from the origin.
