@@ -220,7 +220,8 @@ fn models_of_a_series_have_one_camera_and_natural_order() {
         let rows: Vec<_> = pixels.chunks(64).collect();
         let is_one = |row: &&[[u8; 4]]| row.iter().all(|p| *p == row[0]);
         assert!(!rows.iter().all(is_one), "{name} shows the model");
-        [rows[0], rows[rows.len() - 1]].iter().all(is_one) && rows.iter().all(|row| row[0] == row[row.len() - 1])
+        [rows[0], rows[rows.len() - 1]].iter().all(is_one)
+            && rows.iter().all(|row| row[0] == row[row.len() - 1])
     };
     place.run(&series).ok_silently();
     assert!(is_whole("s0.png") && is_whole("s1.png"), "all models are framed");
