@@ -171,6 +171,9 @@ pub struct FlatMap<I, F> {
     pub(super) of: F,
 }
 
+/// All items of each.
+pub type Flatten<I> = FlatMap<I, fn(<I as Loop>::Item) -> <I as Loop>::Item>;
+
 // SAFETY: not exact.
 unsafe impl<I: Loop, R: IntoIterator, F: Fn(I::Item) -> R + Sync> Loop for FlatMap<I, F> {
     type Item = R::Item;

@@ -18,7 +18,7 @@ mod tests;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-pub use adapters::{Chain, Enumerate, Filter, FilterMap, FlatMap, Map, MapInit, WithLengths, Zip};
+pub use adapters::{Chain, Enumerate, Filter, FilterMap, FlatMap, Flatten, Map, MapInit, WithLengths, Zip};
 pub use collected::{Collected, ParallelExtend};
 pub use divide::Lengths;
 use divide::{Target, divide, gather};
@@ -110,7 +110,7 @@ pub unsafe trait Loop: Sync + Sized {
     }
 
     /// The items of each item.
-    fn flatten_iter(self) -> FlatMap<Self, fn(Self::Item) -> Self::Item>
+    fn flatten_iter(self) -> Flatten<Self>
     where
         Self::Item: IntoIterator,
     {

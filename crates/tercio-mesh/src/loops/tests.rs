@@ -69,7 +69,7 @@ proptest! {
         let expected = (
             list.iter().position(|v| *v > limit),
             list.iter().find_map(above),
-            list.iter().any(|v| *v == limit),
+            list.contains(&limit),
             list.iter().all(|v| *v < limit),
             list.iter().filter(|v| **v < limit).count(),
             list.iter().map(|&v| u64::from(v)).sum::<u64>(),
@@ -146,7 +146,7 @@ fn pieces_keep_their_lengths() {
         }
     }
     assert!(ranges(0, Lengths::ANY).iter().all(Vec::is_empty));
-    assert_eq!(ranges(9, Lengths::ANY)[0], [0..9], "one thread has one piece");
+    assert!(ranges(9, Lengths::ANY)[0].iter().eq([&(0..9)]), "one thread has one piece");
     // The least length gives way.
     assert!(ranges(10, Lengths { min: 5, max: 2 }).iter().all(|r| r.len() == 5));
 }

@@ -85,7 +85,7 @@ mod tests {
     fn an_outline_reaches_as_far_as_the_models() {
         let of = |name: &str, at: DVec3| {
             let mesh = partition(builtin::make(name).unwrap(), &PartitionOptions::default());
-            Instance { world_from_object: glam::DAffine3::from_translation(at), ..Instance::new(mesh) }
+            Instance { world_from_object: DAffine3::from_translation(at), ..Instance::new(mesh) }
         };
         let models =
             [of("builtin:teapot@20k", DVec3::ZERO), of("builtin:gyroid@20k", DVec3::new(1.0, 3.0, -2.0))];
