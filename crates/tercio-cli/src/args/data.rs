@@ -101,7 +101,7 @@ pub enum RangeOver {
 pub struct Survey {
     statistics: Statistics,
     range: Option<[f64; 2]>,
-    categories: Vec<(f32, String)>,
+    categories: Vec<(f64, String)>,
 }
 
 impl Survey {
@@ -134,7 +134,7 @@ struct Opacities(Vec<f32>);
 
 /// `--categories`.
 #[derive(Clone, Debug)]
-struct Labels(Vec<(f32, String)>);
+struct Labels(Vec<(f64, String)>);
 
 fn ends(text: &str) -> Result<Ends, String> {
     let expected =
@@ -192,7 +192,7 @@ fn opacities(text: &str) -> Result<Opacities, String> {
 fn labels(text: &str) -> Result<Labels, String> {
     let label = |word: &str| {
         let (value, label) = word.split_once('=').ok_or("expected labels such as 1=bone,4=skin")?;
-        Ok((values::number(value.trim())? as f32, label.trim().to_owned()))
+        Ok((values::number(value.trim())?, label.trim().to_owned()))
     };
     let words = text.split(',').filter(|word| !word.is_empty());
     words.map(label).collect::<Result<_, String>>().map(Labels)
@@ -435,7 +435,7 @@ impl DataArgs {
         let categories: Vec<Value> = colors
             .categories
             .iter()
-            .map(|c| json!({ "value": c.value, "label": c.label, "color": c.color }))
+            .map(|c| json!({ "value": short(c.value), "label": c.label, "color": c.color }))
             .collect();
         json!({
             "by": self.color_by,
@@ -447,6 +447,11 @@ impl DataArgs {
             "categories": categories,
         })
     }
+}
+
+/// A number for reports, in as few digits as `f32` takes if it is one: 0.1 instead of 0.10000000149.
+fn short(value: f64) -> Value {
+    if f64::from(value as f32) == value { json!(value as f32) } else { json!(value) }
 }
 
 /// The statistics of all parts of a model.

@@ -227,7 +227,7 @@ fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Str
         None => return Cow::Borrowed(file),
         Some(StrokeData::Direct(colors)) => colors.clone(),
         Some(StrokeData::Mapped { values, colors }) => {
-            values.iter().map(|&value| colors.color(f64::from(value))).collect()
+            values.iter().map(|&value| colors.color(colors.full(value))).collect()
         }
     };
     Cow::Owned(Strokes { colors: Some(colors), ..file.clone() })
