@@ -167,9 +167,10 @@ impl Render {
         }
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();
-        for (model, &number) in models.iter().zip(&file_of) {
+        for ((model, &number), member) in models.iter().zip(&file_of).zip(self.members()) {
             let file = &files[number];
-            model.frame_in(&mut subject, &scene, (file.loaded.whole.as_ref(), &file.strokes));
+            let of_file = (file.loaded.whole.as_ref(), &*file.strokes);
+            model.frame_in(&mut subject, &scene, of_file, &member.strokes);
         }
         let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
         let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };
