@@ -87,6 +87,41 @@ fn what_is_wrong_is_told_with_what_there_is() {
     assert!(!place.names().contains(&"a.png".into()));
 }
 
+#[test]
+fn what_does_not_fit_the_data_is_told() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let stderr = |options: &str| {
+        let outcome = place.run(&format!("render a.ply -o a.png --size 20x20 --color-by {options}"));
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        outcome.stderr
+    };
+    for (options, parts) in [
+        ("quality --range 100,200", &["no value is in the range 100 to 200: \"quality\" has 0 to 8"][..]),
+        ("quality --isolines 9,10", &["none of the isolines", "0 to 8"]),
+        ("quality --log", &["at or below 0", "--symlog"]),
+        ("quality --log --range 1,", &[]),
+        ("quality --categories --colormap bwr", &[]),
+        ("quality --isolines 4,10", &[]),
+    ] {
+        let text = stderr(options);
+        assert_eq!(text.matches("warning").count(), usize::from(!parts.is_empty()), "{options}: {text}");
+        parts.iter().for_each(|part| assert!(text.contains(part), "{options}: {text}"));
+    }
+    let header = "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\n\
+        property float q\nelement face 24\nproperty list uchar int vertex_indices\nend_header\n";
+    let vertices = (0..50).map(|v| format!("{} {} 0 {}\n", v / 2, v % 2, v / 2));
+    let triangles = (0..24).map(|i| format!("3 {} {} {}\n", 2 * i, 2 * i + 2, 2 * i + 1));
+    let many = header.to_owned() + &vertices.chain(triangles).collect::<String>();
+    fs::write(place.path("many.ply"), many).unwrap();
+    let outcome = place.run("render many.ply -o a.png --size 20x20 --color-by q --categories");
+    assert!(
+        outcome.stderr.contains("25 categories of \"q\" share the 20 colours of tab20"),
+        "{}",
+        outcome.stderr
+    );
+}
+
 /// Ids that 32 bits round, and numbers that differ by less than these tell.
 const DOUBLES: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
     property double id\nproperty double q\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\

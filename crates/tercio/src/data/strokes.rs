@@ -20,6 +20,21 @@ pub struct ModelData {
     pub strokes: Option<StrokeData>,
 }
 
+impl ModelData {
+    /// The colours of values, if the data are values.
+    pub fn colors(&self) -> Option<&DataColors> {
+        let of_surface = match self.surface.as_deref() {
+            Some(SurfaceData::Mapped { colors, .. }) => Some(&**colors),
+            _ => None,
+        };
+        let of_strokes = match &self.strokes {
+            Some(StrokeData::Mapped { colors, .. }) => Some(&**colors),
+            _ => None,
+        };
+        of_surface.or(of_strokes)
+    }
+}
+
 /// What the colours of lines and points show.
 #[derive(Clone, Debug)]
 pub enum StrokeData {

@@ -95,7 +95,8 @@ impl Render {
             report.read.warnings.extend(of_another);
             let strokes = member.strokes_of(file.loaded.whole.as_ref(), Arc::clone(&file.strokes))?;
             let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
-            let mut data = data.with_context(|| member.model.name())?;
+            let (mut data, notes) = data.with_context(|| member.model.name())?;
+            report.read.warnings.extend(notes);
             let is_drawing = job.writing.plan.drawing.is_some();
             if instance.data.is_some() && !member.strokes.shows_data(is_drawing, !strokes.is_empty()) {
                 (instance.data, data) = (None, None);
