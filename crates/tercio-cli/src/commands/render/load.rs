@@ -129,6 +129,10 @@ impl Render {
                 writing.files.check_companions(&member.model.name(), &textures.files)?;
                 taken = taken.saturating_add(textures.bytes);
             }
+            if scene.instances[begin].data.is_some() && member.placements.iter().any(|p| p.color.is_some()) {
+                let text = "the colour of an instance has no effect: it has the colours of the model's data (color-by)";
+                report.read.warnings.push(text.into());
+            }
             let caps = member.clip.caps(&scene.instances[begin], file.loaded.caps.clone());
             scene.instances.extend(caps);
             let own = scene.instances[begin..].to_vec();
