@@ -125,7 +125,7 @@ fn golden_categories_and_a_long_title() {
     categories.colors.categories = (0..5)
         .map(|i| {
             let [r, g, b] = set.category(i).map(|c| (c * 255.0) as u8);
-            Category { value: i as f32, label: names[i].into(), color: [r, g, b, 255] }
+            Category { value: i as f64, label: names[i].into(), color: [r, g, b, 255] }
         })
         .collect();
     let annotation = Annotation { bars: vec![categories], ..Annotation::default() };

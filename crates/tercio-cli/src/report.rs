@@ -168,16 +168,20 @@ pub fn lines_and_points(report: &LoadReport) -> Option<String> {
     (!list.is_empty()).then(|| list.join(", "))
 }
 
-/// What is drawn, for a message on something that is not.
-pub fn drawn(not_drawn: &NotDrawn) -> &'static str {
+/// What is drawn, for a message on something that is not: `not_drawn` of a model.
+pub fn drawn(report: &LoadReport, not_drawn: &NotDrawn) -> &'static str {
     match not_drawn.textures {
-        0 => "tercio draws triangles",
+        _ if report.prepared.is_some() && not_drawn.points + not_drawn.lines > 0 => PREPARED,
+        0 => "tercio draws triangles, lines and points",
         _ => {
-            "tercio draws triangles, and textures of colour, opacity, highlights, emission, bumps, roughness and metals \
+            "tercio draws triangles, lines and points, and textures of colour, opacity, highlights, emission, bumps, roughness and metals \
              where there are texture coordinates"
         }
     }
 }
+
+/// What `prepare` keeps.
+pub const PREPARED: &str = "a prepared model holds triangles alone";
 
 /// What of the model is not opaque, in words.
 pub fn translucent(n: &Translucent) -> Option<String> {

@@ -88,6 +88,73 @@ fn what_is_wrong_is_told_with_what_there_is() {
 }
 
 #[test]
+fn what_does_not_fit_the_data_is_told() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let stderr = |options: &str| {
+        let outcome = place.run(&format!("render a.ply -o a.png --size 20x20 --color-by {options}"));
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        outcome.stderr
+    };
+    for (options, parts) in [
+        ("quality --range 100,200", &["no value is in the range 100 to 200: \"quality\" has 0 to 8"][..]),
+        ("quality --isolines 9,10", &["none of the isolines", "0 to 8"]),
+        ("quality --log", &["at or below 0", "--symlog"]),
+        ("quality --log --range 1,", &[]),
+        ("quality --categories --colormap bwr", &[]),
+        ("quality --isolines 4,10", &[]),
+    ] {
+        let text = stderr(options);
+        assert_eq!(text.matches("warning").count(), usize::from(!parts.is_empty()), "{options}: {text}");
+        parts.iter().for_each(|part| assert!(text.contains(part), "{options}: {text}"));
+    }
+    let header = "ply\nformat ascii 1.0\nelement vertex 50\nproperty float x\nproperty float y\nproperty float z\n\
+        property float q\nelement face 24\nproperty list uchar int vertex_indices\nend_header\n";
+    let vertices = (0..50).map(|v| format!("{} {} 0 {}\n", v / 2, v % 2, v / 2));
+    let triangles = (0..24).map(|i| format!("3 {} {} {}\n", 2 * i, 2 * i + 2, 2 * i + 1));
+    let many = header.to_owned() + &vertices.chain(triangles).collect::<String>();
+    fs::write(place.path("many.ply"), many).unwrap();
+    let outcome = place.run("render many.ply -o a.png --size 20x20 --color-by q --categories");
+    assert!(
+        outcome.stderr.contains("25 categories of \"q\" share the 20 colours of tab20"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+/// Ids that 32 bits round, and numbers that differ by less than these tell.
+const DOUBLES: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+    property double id\nproperty double q\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0 16777217 1000000000.000\n2 0 0 16777218 1000000000.004\n4 0 0 16777219 1000000000.008\n\
+    0 2 0 16777217 1000000000.000\n2 2 0 16777218 1000000000.004\n4 2 0 16777219 1000000000.008\n\
+    4 0 1 4 3\n4 1 2 5 4\n";
+
+#[test]
+fn numbers_of_64_bits_keep_their_differences() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    fs::write(place.path("d.ply"), DOUBLES).unwrap();
+    let info = place.run("info d.ply").ok_silently();
+    assert!(info.text().contains("id (vertices): 16777217 to 16777219"), "{}", info.text());
+    assert!(info.text().contains("q (vertices): 1000000000 to 1000000000.008"), "{}", info.text());
+    let draw = |model: &str, options: &str| {
+        place.run(&format!("render {model} -o a.ppm -q {VIEW} --color-by {options}")).ok_silently();
+        place.read("a.ppm")
+    };
+    // 0 to 8 of the other model are the same differences.
+    let plain = draw("a.ply", "quality");
+    let close = |a: &[u8], b: &[u8]| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1);
+    assert!(close(&plain, &draw("d.ply", "q")) && close(&plain, &draw("d.ply", "id")));
+    assert!(close(
+        &draw("a.ply", "quality --range 2,6"),
+        &draw("d.ply", "q --range 1000000000.002,1000000000.006")
+    ));
+    assert!(draw("d.ply", "id --categories=16777218=b") == draw("a.ply", "quality --categories=4=b"));
+    place.run("prepare d.ply -o d.tercio -q").ok_silently();
+    assert!(draw("d.ply", "q") == draw("d.tercio", "q"));
+}
+
+#[test]
 fn the_picture_does_not_depend_on_how_it_is_drawn() {
     let place = Place::new();
     let model = "render builtin:terrain@2k --color-by @elevation --isolines 7 --bands 12 --size 120x90 -q";

@@ -40,8 +40,9 @@ fn what_is_not_drawn_is_reported_once() {
     let place = place();
     let cases = [("m.obj", "1 free-form curve, 2 textures"), ("clear.ply", "1 texture")];
     for (model, list) in cases {
-        let warning =
-            format!("warning: {model}: not drawn: {list} (tercio draws triangles, and textures of ");
+        let warning = format!(
+            "warning: {model}: not drawn: {list} (tercio draws triangles, lines and points, and textures of "
+        );
         let outcome = place.run(&format!("render {model} -o {model}.a.png --size 32x24 -v --view front"));
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert_eq!(outcome.stderr.matches("not drawn").count(), 1, "{}", outcome.stderr);

@@ -206,6 +206,15 @@ fn keyframes_are_passed_exactly() {
     place.run("render model.off -o path.csv --format y4m --camera-path path.csv").failed(2, &["path.csv"]);
 }
 
+/// Whether the model does not reach the border of a picture, whose background has one colour in each row.
+fn is_whole(place: &Place, name: &str) -> bool {
+    let pixels = pixels(&place.read(name));
+    let rows: Vec<_> = pixels.chunks(64).collect();
+    let is_one = |row: &&[[u8; 4]]| row.iter().all(|p| *p == row[0]);
+    assert!(!rows.iter().all(is_one), "{name} shows the model");
+    [rows[0], rows[rows.len() - 1]].iter().all(is_one) && rows.iter().all(|row| row[0] == row[row.len() - 1])
+}
+
 #[test]
 fn models_of_a_series_have_one_camera_and_natural_order() {
     let place = Place::new();
@@ -214,15 +223,7 @@ fn models_of_a_series_have_one_camera_and_natural_order() {
         std::fs::write(place.path(name), format!("OFF\n3 1 0\n{points}3 0 1 2\n")).unwrap();
     }
     let series = format!("render s10.off s9.off -o s{{step}}.png --view front {SMALL}");
-    // Rows of the background have one colour: a model that leaves the picture shows at its border.
-    let is_whole = |name: &str| {
-        let pixels = pixels(&place.read(name));
-        let rows: Vec<_> = pixels.chunks(64).collect();
-        let is_one = |row: &&[[u8; 4]]| row.iter().all(|p| *p == row[0]);
-        assert!(!rows.iter().all(is_one), "{name} shows the model");
-        [rows[0], rows[rows.len() - 1]].iter().all(is_one)
-            && rows.iter().all(|row| row[0] == row[row.len() - 1])
-    };
+    let is_whole = |name: &str| is_whole(&place, name);
     place.run(&series).ok_silently();
     assert!(is_whole("s0.png") && is_whole("s1.png"), "all models are framed");
     let all = [place.read("s0.png"), place.read("s1.png")];
@@ -236,6 +237,38 @@ fn models_of_a_series_have_one_camera_and_natural_order() {
     std::fs::write(place.path("s11.off"), "OFF\nno model").unwrap();
     place.run(&format!("render s9.off s10.off s11.off -o s.gif {SMALL}")).failed(1, &["s11.off"]);
     assert!(!place.names().contains(&"s.gif".to_owned()), "a film with a step that is missing is none");
+}
+
+#[test]
+fn copies_and_glyphs_of_all_steps_are_framed() {
+    let place = Place::new();
+    let mut times = String::new();
+    for (number, size) in [1, 2, 3].into_iter().enumerate() {
+        let text = format!(
+            "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 {size} 0 0 0 {size} 0\n\
+             POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nVECTORS v float\n0 {size} 0 0 {size} 0 0 {size} 0\n"
+        );
+        std::fs::write(place.path(&format!("t{number}.vtk")), text).unwrap();
+        times += &format!("<DataSet timestep=\"{number}\" file=\"t{number}.vtk\"/>");
+    }
+    let collection = format!("<VTKFile type=\"Collection\"><Collection>{times}</Collection></VTKFile>");
+    std::fs::write(place.path("run.pvd"), collection).unwrap();
+    let scene = "[[model]]\nfile = 'run.pvd'\n[[model.instance]]\ntranslate = [6, 0, 0]\n";
+    std::fs::write(place.path("two.toml"), scene).unwrap();
+    for run in ["two.toml", "run.pvd --glyphs v --glyph line --glyph-scale 2"] {
+        place.run(&format!("render {run} -o p{{step}}.png --view front {SMALL}")).ok_silently();
+        assert!((0..3).all(|n| is_whole(&place, &format!("p{n}.png"))), "{run}");
+    }
+    // A pipe is read once.
+    let of = |name: &str| place.read(name);
+    let input = of("t0.vtk");
+    let piped =
+        place.run_with_input(&format!("render - t2.vtk -o q{{step}}.png --view front {SMALL}"), &input);
+    assert!(piped.text().contains("standard input can be read only once"), "{}", piped.text());
+    place.run(&format!("render t0.vtk -o alone.png --view front {SMALL}")).ok_silently();
+    assert!(of("q0.png") == of("alone.png"));
+    let colored = format!("render - t2.vtk -o q{{step}}.png --color-by v {SMALL}");
+    place.run_with_input(&colored, &input).failed(2, &["standard input can be read only once", "--range"]);
 }
 
 #[test]

@@ -41,6 +41,7 @@ pub mod clean;
 pub mod clip;
 pub mod cluster;
 pub mod color;
+mod doubles;
 pub mod edges;
 pub mod error;
 pub mod guard;

@@ -64,8 +64,11 @@ pub struct Attribute {
     pub name: String,
     /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
-    /// One value per element; integers above 2^24 are rounded to `f32`.
+    /// One value per element, less [`Attribute::offset`].
     pub values: Vec<f32>,
+    /// What is added to the values to get those of the file: not 0 only where the file has 64 bits, and its values differ by so
+    /// little that `f32` would round the differences away, or are whole and would be rounded.
+    pub offset: f64,
 }
 
 impl Attribute {

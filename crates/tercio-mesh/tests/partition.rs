@@ -22,11 +22,13 @@ fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
                 name: "v".into(),
                 domain: AttributeDomain::Vertex,
                 values: (0..v).map(|i| i as f32).collect(),
+                offset: 0.0,
             },
             Attribute {
                 name: "t".into(),
                 domain: AttributeDomain::Triangle,
                 values: (0..t).map(|i| i as f32).collect(),
+                offset: 0.0,
             },
         ],
         positions,

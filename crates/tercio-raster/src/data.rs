@@ -107,13 +107,13 @@ impl DataTable {
         let is_at_triangles = data.domain(instance.mesh.layout()) == AttributeDomain::Triangle;
         Some(match data {
             SurfaceData::Mapped { source, colors } => Self {
-                readers: vec![DataReader::new(source, instance)],
+                readers: vec![DataReader::new(source, instance, colors.offset)],
                 is_at_triangles,
                 direct: [1.0, 0.0],
                 mapping: Mapping::new(colors),
             },
             SurfaceData::Direct { components, scale, offset } => Self {
-                readers: components.iter().map(|source| DataReader::new(source, instance)).collect(),
+                readers: components.iter().map(|source| DataReader::new(source, instance, 0.0)).collect(),
                 is_at_triangles,
                 direct: [*scale, *offset],
                 mapping: Mapping::none(),
@@ -225,14 +225,16 @@ impl Mapping {
 
     fn new(colors: &DataColors) -> Self {
         let mut mapping = Self::none();
+        let stored = |value: f64| (value - colors.offset) as f32;
         let of_8_bits = |c: [u8; 4]| linear(c.map(|c| f64::from(c) / 255.0));
         if colors.categories.is_empty() {
             mapping.spread = match colors.scale {
+                _ if colors.offset != 0.0 => Spread::Linear,
                 Scale::Linear => Spread::Linear,
                 Scale::Log => Spread::Log,
                 Scale::SymmetricLog { threshold } => Spread::SymmetricLog { threshold: threshold as f32 },
             };
-            mapping.range = colors.range.map(|end| end as f32);
+            mapping.range = colors.range.map(stored);
             let [low, high] = mapping.range.map(|end| spread(mapping.spread, end));
             (mapping.start, mapping.length) = (low, high - low);
             let at = |place: f64| {
@@ -250,7 +252,7 @@ impl Mapping {
                 }
             };
         } else {
-            mapping.categories = colors.categories.iter().map(|category| category.value).collect();
+            mapping.categories = colors.categories.iter().map(|category| stored(category.value)).collect();
             mapping.entries = colors.categories.iter().map(|category| of_8_bits(category.color)).collect();
         }
         mapping.last = mapping.entries.len() as i32 - 1;
@@ -266,7 +268,7 @@ impl Mapping {
         if let Some(lines) = colors.isolines.as_ref().filter(|lines| lines.width > 0.0)
             && colors.categories.is_empty()
         {
-            mapping.isolines = lines.values.iter().map(|&value| value as f32).collect();
+            mapping.isolines = lines.values.iter().map(|&value| stored(value)).collect();
             (mapping.line, mapping.half_width) = (of_8_bits(lines.color), lines.width * 0.5);
             // A line thinner than a pixel covers a part of it.
             mapping.line[3] *= lines.width.min(1.0);
@@ -314,10 +316,15 @@ pub fn check_data(scene: &Scene) -> Result<(), RenderError> {
             );
         }
         let SurfaceData::Mapped { colors, .. } = data else { continue };
-        let [low, high] = colors.range.map(|end| end as f32);
+        let stored = |value: f64| (value - colors.offset) as f32;
+        if !colors.offset.is_finite() {
+            return fail("offset of data", "finite", colors.offset.to_string());
+        }
+        let [low, high] = colors.range.map(stored);
         let is_range = low < high && high - low < f32::INFINITY;
         if !colors.categories.is_empty() {
-            let is_sorted = colors.categories.windows(2).all(|pair| pair[0].value < pair[1].value);
+            let is_sorted =
+                colors.categories.windows(2).all(|pair| stored(pair[0].value) < stored(pair[1].value));
             if !is_sorted || colors.categories.len() > MOST_STEPS {
                 return fail("categories of data", "at most 65536, with ascending values", "others".into());
             }
@@ -327,7 +334,7 @@ pub fn check_data(scene: &Scene) -> Result<(), RenderError> {
                 "two numbers that ascend, in 32 bits",
                 format!("{:?}", colors.range),
             );
-        } else if colors.scale == Scale::Log && low < f32::MIN_POSITIVE {
+        } else if colors.scale == Scale::Log && colors.range[0] < f64::from(f32::MIN_POSITIVE) {
             return fail("range of data on a logarithmic scale", "above 0", format!("{:?}", colors.range));
         }
         if let Scale::SymmetricLog { threshold } = colors.scale
@@ -342,7 +349,7 @@ pub fn check_data(scene: &Scene) -> Result<(), RenderError> {
             return fail("opacity of data", "0 to 1", format!("{:?}", colors.opacities));
         }
         if let Some(lines) = &colors.isolines {
-            if lines.values.len() > MOST_ISOLINES || lines.values.iter().any(|v| !(*v as f32).is_finite()) {
+            if lines.values.len() > MOST_ISOLINES || lines.values.iter().any(|v| !stored(*v).is_finite()) {
                 return fail("isolines", "at most 256 numbers", format!("{} numbers", lines.values.len()));
             }
             if !(0.0..=1000.0).contains(&lines.width) {

@@ -213,6 +213,8 @@ pub struct StageTimes {
 /// Deserializes the name of a level to the string of [`SimdLevel::name`].
 fn level_name<'de, D: Deserializer<'de>>(from: D) -> Result<LevelName, D::Error> {
     let name = String::deserialize(from)?;
+    // Reports of earlier versions may have a level that has become one with SSE2.
+    let name = if name == "sse4.2" { SimdLevel::Sse2.name() } else { &name };
     if name.is_empty() { Ok("") } else { name.parse().map(SimdLevel::name).map_err(de::Error::custom) }
 }
 

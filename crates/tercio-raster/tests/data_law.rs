@@ -28,7 +28,7 @@ fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
             _ => (AttributeDomain::Vertex, mesh.positions.len()),
         };
         let values = (0..count).map(|_| value()).collect();
-        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values });
+        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values, offset: 0.0 });
     }
     mesh
 }
@@ -44,7 +44,11 @@ fn mapped(source: DataSource, colors: DataColors) -> SurfaceData {
 /// Every source with every kind of map.
 fn kinds() -> Vec<(&'static str, SurfaceData)> {
     let lines = |width| Some(Isolines { values: vec![-0.2, 0.4, 1.0], color: [20, 10, 0, 200], width });
-    let category = |value: f32| Category { value, label: String::new(), color: [value as u8, 90, 20, 255] };
+    let category = |value: f32| Category {
+        value: value.into(),
+        label: String::new(),
+        color: [value as u8, 90, 20, 255],
+    };
     let direct = |components: &[usize]| SurfaceData::Direct {
         components: components.iter().map(|&n| DataSource::Attribute(n)).collect(),
         scale: 0.5,

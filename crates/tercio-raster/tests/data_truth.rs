@@ -60,6 +60,7 @@ fn model(triangles: u32, value: impl Fn(DVec3) -> f64) -> Model {
         name: "x".into(),
         domain: AttributeDomain::Vertex,
         values: of_vertices,
+        offset: 0.0,
     });
     Model { mesh, caster: RayCaster::new(corners), values }
 }

@@ -57,9 +57,19 @@ fn every_shading_and_sampling() {
 fn the_fastest_kernels() {
     let mut mesh = sphere(24);
     let values = mesh.positions.iter().map(|p| p[0] * 3.0 + p[1] * p[2]).collect();
-    mesh.attributes.push(Attribute { name: "x".into(), domain: AttributeDomain::Vertex, values });
+    mesh.attributes.push(Attribute {
+        name: "x".into(),
+        domain: AttributeDomain::Vertex,
+        values,
+        offset: 0.0,
+    });
     let values = (0..mesh.triangles.len()).map(|t| (t % 7) as f32).collect();
-    mesh.attributes.push(Attribute { name: "y".into(), domain: AttributeDomain::Triangle, values });
+    mesh.attributes.push(Attribute {
+        name: "y".into(),
+        domain: AttributeDomain::Triangle,
+        values,
+        offset: 0.0,
+    });
     let showing = |source: DataSource| {
         let colors = DataColors::new("x", ColorMap::named("turbo").expect("known"), [-2.0, 2.5]);
         Some(Arc::new(SurfaceData::Mapped { source, colors: Arc::new(colors) }))

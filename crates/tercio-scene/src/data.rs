@@ -79,6 +79,15 @@ impl DataSource {
         }
     }
 
+    /// What its values are best kept less: the [offset](tercio_mesh::Attribute::offset) of the attribute.
+    pub fn offset(&self, layout: &Layout) -> f64 {
+        match self {
+            Self::Attribute(number) => layout.offset(*number),
+            Self::Magnitude(numbers) => length(numbers.iter().map(|&n| layout.offset(n))),
+            Self::Along(_) | Self::Normal(_) | Self::Face => 0.0,
+        }
+    }
+
     /// Whether its values are at vertices or at triangles.
     ///
     /// # Panics
@@ -93,6 +102,11 @@ impl DataSource {
     }
 }
 
+/// The length of a vector.
+fn length(components: impl Iterator<Item = f64>) -> f64 {
+    components.map(|c| c * c).sum::<f64>().sqrt()
+}
+
 /// A [`DataSource`] made ready to be read, cluster by cluster, for one instance.
 #[derive(Clone, Debug)]
 pub struct DataReader {
@@ -104,21 +118,35 @@ pub struct DataReader {
     normals: DMat3,
     /// Of the whole model.
     first_face: u64,
+    /// What values are less.
+    offset: f64,
+    /// What is added to the stored values of an attribute, or of the components of a vector, for the full ones, which are then less
+    /// `offset`; none if the stored values are used as they are.
+    own: Vec<f64>,
 }
 
 impl DataReader {
-    /// For the mesh of an instance.
-    pub fn new(source: &DataSource, instance: &Instance) -> Self {
+    /// For the mesh of an instance. Values are less the offset: [`DataSource::offset`], or the
+    /// [`DataColors::offset`] of their colours. Attributes that have this offset are not rounded again.
+    pub fn new(source: &DataSource, instance: &Instance, offset: f64) -> Self {
+        let layout = instance.mesh.layout();
+        let own = match source {
+            DataSource::Attribute(n) if layout.offset(*n) != offset => vec![layout.offset(*n)],
+            DataSource::Magnitude(all) if offset != 0.0 || all.iter().any(|&n| layout.offset(n) != 0.0) => {
+                all.iter().map(|&n| layout.offset(n)).collect()
+            }
+            _ => Vec::new(),
+        };
         let to_world = instance.world_from_object;
         let (mut base, mut slope) = (0.0, DVec3::ZERO);
         if let DataSource::Along(direction) = source {
-            base = direction.dot(to_world.transform_point3(instance.mesh.origin));
+            base = direction.dot(to_world.transform_point3(instance.mesh.origin)) - offset;
             slope = to_world.matrix3.transpose() * *direction * instance.mesh.unit();
         }
         let m = to_world.matrix3;
         let normals = if m == DMat3::IDENTITY { m } else { m.inverse().transpose() };
         let first_face = instance.share.map_or(0, |share| share.first_face);
-        Self { source: source.clone(), base, slope, normals, first_face }
+        Self { source: source.clone(), base, slope, normals, first_face, offset, own }
     }
 
     /// The value of a vertex with this position in mesh coordinates, this normal if the mesh has normals, and these attributes.
@@ -136,7 +164,7 @@ impl DataReader {
             DataSource::Normal(axis) => {
                 let Some(n) = normal else { return f32::NAN };
                 let n = self.normals * DVec3::from(n.map(f64::from));
-                (axis.dot(n) / n.length()) as f32
+                (axis.dot(n) / n.length() - self.offset) as f32
             }
             _ => self.of_attributes(attribute),
         }
@@ -145,14 +173,22 @@ impl DataReader {
     /// The value of a triangle of this input face of the mesh, and with these attributes.
     pub fn of_triangle(&self, face: u32, attribute: impl Fn(usize) -> f32) -> f32 {
         match &self.source {
-            DataSource::Face => (self.first_face + u64::from(face)) as f32,
+            DataSource::Face if self.offset == 0.0 => (self.first_face + u64::from(face)) as f32,
+            DataSource::Face => ((self.first_face + u64::from(face)) as f64 - self.offset) as f32,
             _ => self.of_attributes(attribute),
         }
     }
 
     fn of_attributes(&self, attribute: impl Fn(usize) -> f32) -> f32 {
         match &self.source {
-            DataSource::Attribute(number) => attribute(*number),
+            DataSource::Attribute(number) => match self.own.first() {
+                None => attribute(*number),
+                Some(own) => (own + f64::from(attribute(*number)) - self.offset) as f32,
+            },
+            DataSource::Magnitude(numbers) if !self.own.is_empty() => {
+                let full = numbers.iter().zip(&self.own).map(|(&n, own)| own + f64::from(attribute(n)));
+                (length(full) - self.offset) as f32
+            }
             DataSource::Magnitude(numbers) => {
                 let square = |n: &usize| f64::from(attribute(*n)) * f64::from(attribute(*n));
                 numbers.iter().map(square).sum::<f64>().sqrt() as f32
@@ -164,7 +200,7 @@ impl DataReader {
     /// The values of the vertices of a cluster, not padded. Precondition: they are at vertices.
     pub fn read_vertices(&self, cluster: &ClusterView, to: &mut [f32]) {
         let count = cluster.vertices().min(to.len());
-        if let DataSource::Attribute(number) = &self.source {
+        if let (DataSource::Attribute(number), []) = (&self.source, &self.own[..]) {
             to[..count].copy_from_slice(&cluster.attribute(*number)[..count]);
             return;
         }
@@ -199,7 +235,7 @@ impl DataReader {
     /// The values of the triangles of a cluster, which has this number in the mesh, not padded. Precondition: they are at triangles.
     pub fn read_triangles(&self, mesh: &ClusteredMesh, number: usize, cluster: &ClusterView, to: &mut [f32]) {
         let count = cluster.triangles().min(to.len());
-        if let DataSource::Attribute(attribute) = &self.source {
+        if let (DataSource::Attribute(attribute), []) = (&self.source, &self.own[..]) {
             to[..count].copy_from_slice(&cluster.attribute(*attribute)[..count]);
             return;
         }

@@ -9,7 +9,7 @@ mod extent;
 mod outline;
 mod turntable;
 
-pub use extent::Extent;
+pub use extent::{Cells, Extent};
 pub use outline::Outline;
 
 use crate::camera::CameraBasis;

@@ -66,7 +66,7 @@ struct Key {
 ///
 /// - CSV with a header: the columns `time`, `eye_x`, `eye_y`, `eye_z` and, as far as they are needed, `target_x` ...,
 ///   `up_x` ... and `fov`, in any order; cells may be empty; lines that begin with # are comments;
-/// - JSON: `{"keyframes": [{"time": 0, "eye": [1, 2, 3], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30}, ...]}`;
+/// - JSON: the list of keyframes alone, or `{"keyframes": [{"time": 0, "eye": [1, 2, 3], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30}, ...]}`;
 /// - TOML: the same, each keyframe after `[[keyframes]]`.
 ///
 /// ```
@@ -88,6 +88,11 @@ pub fn read(bytes: &[u8]) -> Result<Vec<FileKeyframe>, CameraPathFileError> {
             let read: Result<Document, _> = serde_json::from_str(text);
             read.map_err(|e| malformed("JSON", e.to_string()))?.keyframes
         }
+        // A list; in TOML a letter follows.
+        Some(line) if line.starts_with('[') && !is_table(line) => {
+            let read: Result<Vec<Key>, _> = serde_json::from_str(text);
+            read.map_err(|e| malformed("JSON", e.to_string()))?
+        }
         // "[[keyframes]]" or "keyframes = [".
         Some(line) if line.starts_with('[') || line.starts_with("keyframes") => {
             let read: Result<Document, _> = toml::from_str(text);
@@ -100,6 +105,12 @@ pub fn read(bytes: &[u8]) -> Result<Vec<FileKeyframe>, CameraPathFileError> {
         _ => read_csv(text).map_err(|reason| malformed("CSV", reason))?,
     };
     keys.into_iter().enumerate().map(|(number, key)| checked(number + 1, key)).collect()
+}
+
+/// Does a line begin with the name of a TOML table?
+fn is_table(line: &str) -> bool {
+    let name = line.trim_start_matches('[').trim_start();
+    name.starts_with(|c: char| c.is_alphabetic() || matches!(c, '_' | '"' | '\''))
 }
 
 fn read_csv(text: &str) -> Result<Vec<Key>, String> {
@@ -197,6 +208,8 @@ mod tests {
         assert_eq!(first[0].target, Some(DVec3::new(0.0, 0.0, 0.5)));
         assert_eq!(read(json.as_bytes()).unwrap(), first);
         assert_eq!(read(toml.as_bytes()).unwrap(), first);
+        let list = json.replace(r#"{"keyframes": ["#, "[\n").replace("]}]}", "]}]");
+        assert_eq!(read(list.as_bytes()).unwrap(), first);
     }
 
     #[test]
@@ -214,6 +227,7 @@ mod tests {
             ("time,eye_x,eye_y,eye_z,fov\n0,1,2,3,180\n", &["keyframe 1", "179"]),
             ("{\"keyframes\": [{\"time\": 0}]}", &["JSON", "eye"]),
             ("{\"keyframes\": [], \"more\": 1}", &["JSON", "more"]),
+            ("[\n{\"time\": 0}]", &["JSON", "eye"]),
             ("[[keyframes]]\ntime = 0\neye = [1, 2]\n", &["TOML", "line 3"]),
         ] {
             let error = read(text.as_bytes()).unwrap_err().to_string();

@@ -215,6 +215,7 @@ mod tests {
             name: "t".into(),
             domain: tercio_mesh::AttributeDomain::Vertex,
             values: vec![0.0, 8.0, 8.0, 1.0],
+            offset: 0.0,
         };
         let strokes = Strokes {
             origin: glam::DVec3::X,

@@ -173,7 +173,7 @@ impl GlyphOptions {
         let (reader, colors) = match data {
             Some(SurfaceData::Mapped { source, colors }) => {
                 let colors = tercio_scene::DataColors { isolines: None, ..(**colors).clone() };
-                (Some(DataReader::new(source, instance)), Some(colors.into()))
+                (Some(DataReader::new(source, instance, colors.offset)), Some(colors.into()))
             }
             _ => (None, None),
         };
@@ -181,7 +181,8 @@ impl GlyphOptions {
         let of_cluster = |number: usize| -> Vec<Candidate> {
             let cluster = mesh.cluster(number);
             let vector = |element: usize| {
-                let of = |k: usize| numbers.get(k).map_or(0.0, |&n| f64::from(cluster.attribute(n)[element]));
+                let full = |n: usize| layout.offset(n) + f64::from(cluster.attribute(n)[element]);
+                let of = |k: usize| numbers.get(k).map_or(0.0, |&n| full(n));
                 to_world.matrix3 * DVec3::new(of(0), of(1), of(2))
             };
             let at = |v: usize| mesh.position(&cluster, v);
@@ -226,7 +227,8 @@ impl GlyphOptions {
         data: Option<&StrokeData>,
     ) -> Found {
         let candidate = |v: usize| {
-            let of = |k: usize| numbers.get(k).map_or(0.0, |&n| f64::from(strokes.attributes[n].values[v]));
+            let full = |a: &tercio_mesh::Attribute| a.full(a.values[v]);
+            let of = |k: usize| numbers.get(k).map_or(0.0, |&n| full(&strokes.attributes[n]));
             let (value, color) = match data {
                 Some(StrokeData::Mapped { values, .. }) => (values[v], None),
                 Some(StrokeData::Direct(colors)) => (f32::NAN, Some(colors[v])),

@@ -115,9 +115,11 @@ pub struct AttributeSummary {
     pub name: String,
     /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
-    /// Smallest and largest value that is not NaN; `None` if there is none.
+    /// Smallest and largest value that is not NaN, less `offset`; `None` if there is none.
     #[serde(with = "bits")]
     pub range: Option<(f32, f32)>,
+    /// The attribute's [offset](Attribute::offset).
+    pub offset: f64,
     /// Number of values that are NaN.
     pub nans: u64,
 }
@@ -141,6 +143,7 @@ impl AttributeSummary {
             domain: attribute.domain,
             range: (nans < attribute.values.len() as u64).then_some((min, max)),
             nans,
+            offset: attribute.offset,
         }
     }
 }
@@ -179,6 +182,7 @@ mod tests {
                 name: "quality".into(),
                 domain: AttributeDomain::Vertex,
                 values,
+                offset: 0.0,
             });
             (a.range, a.nans)
         };

@@ -90,7 +90,7 @@ proptest! {
         bar.title.clone_from(&title);
         if bands == 13 {
             let color = [9, 9, 9, 255];
-            bar.colors.categories = (0..24).map(|i| Category { value: i as f32, label: format!("{title} {i}"), color }).collect();
+            bar.colors.categories = (0..24).map(|i| Category { value: i.into(), label: format!("{title} {i}"), color }).collect();
         }
         let captions = vec![
             Caption::title(&title),

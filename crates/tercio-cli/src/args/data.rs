@@ -38,7 +38,7 @@ pub struct DataArgs {
     #[arg(long, value_name = "MIN,MAX", aliases = ["clim", "coloring-range"], requires = "color_by")]
     #[arg(allow_hyphen_values = true, value_parser = ends)]
     range: Option<Ends>,
-    /// Spreads the logarithms of values, which have to be above 0.
+    /// Spreads the logarithms of values. Those at or below 0 have none, and are painted as values below the range.
     #[arg(long, requires = "color_by", conflicts_with = "symlog")]
     log: bool,
     /// Spreads logarithms on both sides of 0, and what is closer to 0 than a threshold evenly [default: a thousandth of the
@@ -70,8 +70,8 @@ pub struct DataArgs {
     /// Opacities, 0 to 1, spread evenly over the range and linear between them, such as 0,1.
     #[arg(long, value_name = "O1,O2", value_parser = opacities, requires = "color_by")]
     opacity_map: Option<Opacities>,
-    /// Values are names, not quantities, and each different one (at most 4096) has its own colour; those at vertices are not
-    /// interpolated. Labels for the scalar bar may follow: --categories=1=bone,4=skin.
+    /// Values are names, not quantities, and each different one (at most 4096) has a colour; those at vertices are not
+    /// interpolated. The colours of a list such as tab20 repeat after its last. Labels for the scalar bar may follow: --categories=1=bone,4=skin.
     #[arg(long, value_name = "V=LABEL", num_args = 0..=1, default_missing_value = "", require_equals = true)]
     #[arg(value_parser = labels, requires = "color_by")]
     #[arg(conflicts_with_all = ["range", "log", "symlog", "bands", "isolines", "below_color", "above_color", "opacity_map"])]
@@ -101,7 +101,7 @@ pub enum RangeOver {
 pub struct Survey {
     statistics: Statistics,
     range: Option<[f64; 2]>,
-    categories: Vec<(f32, String)>,
+    categories: Vec<(f64, String)>,
 }
 
 impl Survey {
@@ -134,7 +134,7 @@ struct Opacities(Vec<f32>);
 
 /// `--categories`.
 #[derive(Clone, Debug)]
-struct Labels(Vec<(f32, String)>);
+struct Labels(Vec<(f64, String)>);
 
 fn ends(text: &str) -> Result<Ends, String> {
     let expected =
@@ -192,7 +192,7 @@ fn opacities(text: &str) -> Result<Opacities, String> {
 fn labels(text: &str) -> Result<Labels, String> {
     let label = |word: &str| {
         let (value, label) = word.split_once('=').ok_or("expected labels such as 1=bone,4=skin")?;
-        Ok((values::number(value.trim())? as f32, label.trim().to_owned()))
+        Ok((values::number(value.trim())?, label.trim().to_owned()))
     };
     let words = text.split(',').filter(|word| !word.is_empty());
     words.map(label).collect::<Result<_, String>>().map(Labels)
@@ -347,15 +347,7 @@ impl DataArgs {
         };
         match options.data_of_model::<DataError>(instance, strokes, of_all) {
             Ok(data) => {
-                let of_surface = match data.surface.as_deref() {
-                    Some(SurfaceData::Mapped { colors, .. }) => Some(colors),
-                    _ => None,
-                };
-                let of_strokes = match &data.strokes {
-                    Some(StrokeData::Mapped { colors, .. }) => Some(colors),
-                    _ => None,
-                };
-                if let Some(colors) = of_surface.or(of_strokes) {
+                if let Some(colors) = data.colors() {
                     survey.range = Some(colors.range);
                     let categories = colors.categories.iter();
                     survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
@@ -386,8 +378,8 @@ impl DataArgs {
         own
     }
 
-    /// Colours an instance by its data, and returns the data of its lines and points; together with the ranks that have the other
-    /// parts of it, if there are `parts`.
+    /// Colours an instance by its data, and returns the data of its lines and points, and what users should know; together with the
+    /// ranks that have the other parts of it, if there are `parts`.
     ///
     /// # Errors
     /// Data that are not there, with a list of those that are.
@@ -397,8 +389,8 @@ impl DataArgs {
         up: DVec3,
         strokes: &Strokes,
         parts: Option<&mut impl Communicator>,
-    ) -> Result<Option<StrokeData>> {
-        let Some(options) = self.options(up)? else { return Ok(None) };
+    ) -> Result<(Option<StrokeData>, Vec<String>)> {
+        let Some(options) = self.options(up)? else { return Ok((None, Vec::new())) };
         let is_of_part = matches!(options.range.low, RangeEnd::Percentile(_))
             || matches!(options.range.high, RangeEnd::Percentile(_))
             || options.categories.is_some();
@@ -406,9 +398,13 @@ impl DataArgs {
             let text = "percentiles and --categories need the whole model, which no rank has with --parts";
             return Err(UsageError(text.into()).into());
         }
-        let of_all = |own: Statistics| match parts {
-            Some(comm) => of_all_parts(comm, own),
-            None => Ok(self.of_series.unwrap_or(own)),
+        let mut statistics = Statistics::default();
+        let of_all = |own: Statistics| -> Result<Statistics> {
+            statistics = match parts {
+                Some(comm) => of_all_parts(comm, own)?,
+                None => self.of_series.unwrap_or(own),
+            };
+            Ok(statistics)
         };
         let data = options.data_of_model::<anyhow::Error>(instance, strokes, of_all)?;
         let is_direct = matches!(data.surface.as_deref(), Some(SurfaceData::Direct { .. }))
@@ -417,8 +413,9 @@ impl DataArgs {
             let by = &options.by;
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
+        let notes = data.colors().map(|colors| doubts(&options, colors, &statistics)).unwrap_or_default();
         instance.data = data.surface;
-        Ok(data.strokes)
+        Ok((data.strokes, notes))
     }
 
     /// What the colours show, for reports.
@@ -435,7 +432,7 @@ impl DataArgs {
         let categories: Vec<Value> = colors
             .categories
             .iter()
-            .map(|c| json!({ "value": c.value, "label": c.label, "color": c.color }))
+            .map(|c| json!({ "value": short(c.value), "label": c.label, "color": c.color }))
             .collect();
         json!({
             "by": self.color_by,
@@ -449,14 +446,59 @@ impl DataArgs {
     }
 }
 
+/// What of the options does not fit the data that have these statistics: it would be seen only as a picture of one colour.
+fn doubts(options: &DataOptions, colors: &DataColors, statistics: &Statistics) -> Vec<String> {
+    let (by, mut all) = (&options.by, Vec::new());
+    if !colors.categories.is_empty() {
+        let (categories, map) = (colors.categories.len(), &colors.map);
+        if map.is_categorical() && categories > map.len() {
+            all.push(format!(
+                "{categories} categories of \"{by}\" share the {} colours of {}, which repeat (--colormap turbo, or another one that \
+                 is no list of colours, has one for each)",
+                map.len(),
+                map.name(),
+            ));
+        }
+        return all;
+    }
+    let Some([least, most]) = statistics.finite else { return all };
+    let has = format!("\"{by}\" has {} to {}", words(least), words(most));
+    let [low, high] = colors.range;
+    let is_beside = most < low || least > high;
+    if is_beside {
+        all.push(format!("no value is in the range {} to {}: {has}", words(low), words(high)));
+    }
+    let mut lines = colors.isolines.iter().flat_map(|lines| &lines.values).peekable();
+    if !is_beside && lines.peek().is_some() && lines.all(|line| !(least..=most).contains(line)) {
+        all.push(format!("none of the isolines is at a value of the data: {has}"));
+    }
+    // Who names the lower end, or a colour below it, knows of them.
+    let is_known = options.below.is_some() || matches!(options.range.low, RangeEnd::At(_));
+    if colors.scale == Scale::Log && least <= 0.0 && !is_known {
+        all.push(format!(
+            "values at or below 0, which have no logarithm, are painted as those below the range: {has} (--symlog has both signs)"
+        ));
+    }
+    all
+}
+
+/// A number in as few digits as `f32` takes if it is one: 0.1 instead of 0.10000000149.
+fn words(value: f64) -> String {
+    if f64::from(value as f32) == value { (value as f32 + 0.0).to_string() } else { value.to_string() }
+}
+
+/// The same for reports.
+fn short(value: f64) -> Value {
+    if f64::from(value as f32) == value { json!(value as f32) } else { json!(value) }
+}
+
 /// The statistics of all parts of a model.
 fn of_all_parts(comm: &mut impl Communicator, own: Statistics) -> Result<Statistics> {
     const NONE: f64 = f64::NEG_INFINITY;
-    let ends =
-        |range: Option<[f32; 2]>| range.map_or([NONE; 2], |[low, high]| [-f64::from(low), f64::from(high)]);
+    let ends = |range: Option<[f64; 2]>| range.map_or([NONE; 2], |[low, high]| [-low, high]);
     let ([a, b], [c, d]) = (ends(own.finite), ends(own.positive));
     let all = tercio::parallel::comm::collective::all_max(comm, [a, b, c, d])?;
-    let range = |low: f64, high: f64| (high > NONE).then_some([-low as f32, high as f32]);
+    let range = |low: f64, high: f64| (high > NONE).then_some([-low, high]);
     let mut statistics = Statistics::default();
     (statistics.finite, statistics.positive) = (range(all[0], all[1]), range(all[2], all[3]));
     Ok(statistics)

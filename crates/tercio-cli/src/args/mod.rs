@@ -68,6 +68,12 @@ impl ModelArgs {
         self.model.as_os_str() == "-" || StandardStream::from_path(&self.model) == Some(StandardStream::Input)
     }
 
+    /// Whether the model is there when it is read a second time: not that of a pipe.
+    pub fn can_be_read_again(&self) -> bool {
+        // What is not there at all is reported when it is read.
+        !self.is_standard_input() && std::fs::metadata(&self.model).map_or(true, |found| found.is_file())
+    }
+
     /// Checks that all processes of an MPI job can read the model.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ use tercio::glyphs::{GlyphOptions, GlyphShape};
 use tercio::mesh::ClusteredMesh;
 use tercio::mesh::color::srgb_bytes;
 use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
+use tercio::mesh::strokes::Strokes;
 use tercio::scene::{Background, Surface, SurfaceEdges, srgb_to_linear};
 use tercio::strokes::{EdgePart, Length, LineShape, Pen, PointShape};
 
@@ -325,6 +326,25 @@ impl StrokeArgs {
         }
     }
 
+    /// What the lines and points of a file take beside their places, in world units; 0 if their widths are pixels.
+    pub fn margin_of(&self, file: &Strokes) -> f64 {
+        let lines = self.line_width.filter(|_| !file.segments.is_empty());
+        let points = self.point_size.filter(|_| !file.points.is_empty());
+        half(lines).max(half(points) * self.corners_of_points())
+    }
+
+    /// What edges and points of vertices take beside the surface.
+    pub fn margin_of_mesh(&self) -> f64 {
+        let lines = self.line_width.filter(|_| self.has_edges());
+        let points = self.point_size.filter(|_| self.has_vertices());
+        half(lines).max(half(points) * self.corners_of_points())
+    }
+
+    /// How much farther than its sides the corners of a point are.
+    fn corners_of_points(&self) -> f64 {
+        if self.point_shape == ShapeName::Square { std::f64::consts::SQRT_2 } else { 1.0 }
+    }
+
     /// Is anything drawn as a body in space, which a drawing of lines cannot hold?
     pub fn has_bodies(&self) -> bool {
         self.glyphs.is_some() || self.line_shape == LineName::Tube
@@ -400,6 +420,14 @@ impl StrokeArgs {
             "line_shape": values::name(&self.line_shape),
             "point_shape": values::name(&self.point_shape),
         })
+    }
+}
+
+/// Half of a length in world units.
+fn half(length: Option<Length>) -> f64 {
+    match length {
+        Some(Length::Units(units)) => units * 0.5,
+        _ => 0.0,
     }
 }
 

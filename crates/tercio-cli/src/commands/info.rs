@@ -108,11 +108,15 @@ fn texture_list(material: &FileMaterial) -> String {
 
 fn attributes_json(attributes: &[AttributeSummary]) -> Value {
     let attribute = |a: &AttributeSummary| {
+        let full = |value: f32| match a.offset {
+            0.0 => json!(value),
+            offset => json!(offset + f64::from(value)),
+        };
         json!({
             "name": a.name,
             "of": domain(a.domain),
-            "min": a.range.map(|r| r.0),
-            "max": a.range.map(|r| r.1),
+            "min": a.range.map(|r| full(r.0)),
+            "max": a.range.map(|r| full(r.1)),
             "nans": a.nans,
         })
     };
@@ -170,7 +174,8 @@ fn topology(report: &LoadReport) -> Option<&Topology> {
 
 /// The row of an attribute.
 fn attribute(a: &AttributeSummary, of: &str) -> Row {
-    let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));
+    let print = |value| tercio::data::printed(value, a.offset);
+    let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{} to {}", print(min), print(max)));
     let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
     ("attribute", format!("{} ({of}): {range}{nans}", a.name))
 }

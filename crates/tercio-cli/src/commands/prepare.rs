@@ -18,7 +18,7 @@ use crate::{ending, messages, report};
 /// Reads, repairs and partitions a model once, and writes its memory layout to a file.
 ///
 /// `render`, `info` and `bench` map the file and draw at once. It has all data of the model: normals (also generated
-/// ones), colours, texture coordinates, materials, attributes, face numbers. Only the version of tercio that wrote it
+/// ones), colours, texture coordinates, materials, attributes, face numbers. It has no lines and no points. Only the version of tercio that wrote it
 /// reads it, on any little-endian machine; keep the original model.
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -79,7 +79,13 @@ impl Prepare {
             }
         }
         if loaded.report.mesh.triangles == 0 {
-            bail!("{model}: the model has no triangles, so there is nothing to prepare");
+            bail!(
+                "{model}: the model has no triangles, so there is nothing to prepare: {}",
+                report::PREPARED
+            );
+        }
+        if let Some(list) = report::lines_and_points(&loaded.report).filter(|_| !self.running.quiet) {
+            messages::warning(&format!("{model}: left out: {list} ({})", report::PREPARED));
         }
         display.stage("writing");
         let start = Instant::now();

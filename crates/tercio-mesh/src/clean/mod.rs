@@ -325,6 +325,7 @@ mod tests {
             name: "a".into(),
             domain: AttributeDomain::Triangle,
             values: (0..8u8).map(f32::from).collect(),
+            offset: 0.0,
         });
         let found = clean(&mut m);
         let expected = Cleaned {

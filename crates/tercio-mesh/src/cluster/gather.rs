@@ -29,6 +29,7 @@ pub(super) fn layout(mesh: &Mesh) -> Layout {
         face_colors: mesh.face_colors.is_some(),
         triangle_materials: mesh.triangle_materials.is_some(),
         attributes: mesh.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect(),
+        offsets: Layout::offsets_of(&mesh.attributes),
     }
 }
 

@@ -22,7 +22,7 @@ use super::{Cluster, LANES, Line};
 use crate::AttributeDomain;
 
 /// What the clusters of a mesh store besides positions and corners.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// Unit normals at the vertices.
     pub normals: bool,
@@ -36,6 +36,9 @@ pub struct Layout {
     pub triangle_materials: bool,
     /// Name and domain of each further scalar.
     pub attributes: Vec<(String, AttributeDomain)>,
+    /// The [offset](crate::Attribute::offset) of each of them; none if all are 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub offsets: Vec<f64>,
 }
 
 /// The smallest multiple of [`LANES`] that is at least `count`.
@@ -51,6 +54,17 @@ impl Layout {
     /// Lines that must be readable after the end of the last cluster of a mesh: kernels read tables of
     /// [`MAX_TRIANGLES`](super::MAX_TRIANGLES) corners, however many a cluster has.
     pub const LINES_BEHIND: usize = super::MAX_TRIANGLES / Line::BYTES;
+
+    /// What is added to the values of an attribute.
+    pub fn offset(&self, attribute: usize) -> f64 {
+        self.offsets.get(attribute).copied().unwrap_or(0.0)
+    }
+
+    /// [`Layout::offsets`] of some attributes.
+    pub fn offsets_of(attributes: &[crate::Attribute]) -> Vec<f64> {
+        let has_any = attributes.iter().any(|a| a.offset != 0.0);
+        attributes.iter().filter(|_| has_any).map(|a| a.offset).collect()
+    }
 
     /// Lines that a cluster takes.
     pub fn lines(&self, cluster: &Cluster) -> usize {

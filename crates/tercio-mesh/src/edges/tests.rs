@@ -24,7 +24,12 @@ fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
     // As one cell, the surface of a hexahedron, whose polygons are numbered.
     mesh.face_of_triangle = Some(vec![0; 12]);
     let (name, domain) = (Attribute::POLYGON.into(), AttributeDomain::Triangle);
-    mesh.attributes.push(Attribute { name, domain, values: (0..12).map(|t| (t / 2) as f32).collect() });
+    mesh.attributes.push(Attribute {
+        name,
+        domain,
+        values: (0..12).map(|t| (t / 2) as f32).collect(),
+        offset: 0.0,
+    });
     assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 12);
     let clusters = partition(mesh.clone(), &PartitionOptions::default());
     assert_eq!(Edges::of_clusters(&clusters, Selection::All).list.len(), 12);

@@ -230,7 +230,7 @@ unsafe impl<A: Loop, B: Loop<Item = A::Item>> Loop for Chain<A, B> {
     const EXACT: bool = A::EXACT && B::EXACT;
 
     fn len(&self) -> usize {
-        self.a.len() + self.b.len()
+        self.a.len().checked_add(self.b.len()).expect("as many items as memory has addresses")
     }
 
     fn lengths(&self) -> Lengths {

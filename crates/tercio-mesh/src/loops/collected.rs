@@ -73,11 +73,8 @@ impl<T: Send> ParallelExtend<T> for Vec<T> {
         self.reserve(len);
         let target = Target::new(self);
         divide(len, lengths, &|_, range| {
-            // SAFETY: each number is in one piece.
-            for (number, item) in range.clone().zip(unsafe { items.piece(range) }) {
-                // SAFETY: less than what was reserved, and each number once.
-                unsafe { target.write(number, item) };
-            }
+            // SAFETY: less than what was reserved, and each number is in one piece.
+            unsafe { target.write(range.clone(), items.piece(range)) };
         });
         // SAFETY: each piece of an exact loop has written all of its items.
         unsafe { self.set_len(self.len() + len) };

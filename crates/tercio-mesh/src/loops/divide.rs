@@ -81,12 +81,21 @@ impl<'a, T> Target<'a, T> {
         Self { first: list.spare_capacity_mut().as_mut_ptr().cast(), owner: PhantomData }
     }
 
-    /// Writes the element with this number behind those that the `Vec` has.
+    /// Writes the elements of a piece behind those that the `Vec` has.
     ///
     /// # Safety
-    /// The number is less than the spare capacity, and no other thread writes the same.
-    pub unsafe fn write(&self, number: usize, value: T) {
-        // SAFETY: inside the memory of the `Vec`, and nobody else's, as the caller says.
-        unsafe { self.first.add(number).write(value) };
+    /// The range is within the spare capacity, and no other thread writes a part of it.
+    ///
+    /// # Panics
+    /// If there are fewer items than the range has numbers.
+    pub unsafe fn write(&self, range: Range<usize>, mut items: impl Iterator<Item = T>) {
+        let mut written = range.start;
+        // Whole iterators are faster than their items one by one.
+        items.by_ref().take(range.len()).for_each(|item| {
+            // SAFETY: inside the memory of the `Vec`, and nobody else's, as the caller says.
+            unsafe { self.first.add(written).write(item) };
+            written += 1;
+        });
+        assert_eq!(written, range.end, "a loop that is exact has an item for each number");
     }
 }

@@ -6,7 +6,8 @@
 //! iterator over the items of a piece. There are at most some dozens of pieces a thread, whatever the number of items, and
 //! which items are in which piece depends on the number of threads: results must not depend on it, as with rayon.
 //!
-//! Searches ([`Loop::find_map_first`]) and collected errors are those of the first item, in the order of items.
+//! Searches ([`Loop::find_map_first`]) and collected errors are those of the first item, in the order of items. A thread that has
+//! begun with a piece finishes it, whatever the others have found.
 
 mod adapters;
 mod collected;
@@ -58,7 +59,7 @@ pub unsafe trait Loop: Sync + Sized {
     /// The range is within `0..len()`, and each number is in one call at most: items may be mutable references or owned.
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = Self::Item>;
 
-    /// Pieces have at least this many items, except the last one.
+    /// Pieces have at least this many items, if there are so many.
     fn with_min_len(self, min: usize) -> WithLengths<Self> {
         let lengths = Lengths { min, ..self.lengths() };
         WithLengths { items: self, lengths }
@@ -261,9 +262,11 @@ pub unsafe trait Loop: Sync + Sized {
         let (to_a, to_b) = (Target::new(&mut a), Target::new(&mut b));
         divide(len, self.lengths(), &|_, range| {
             // SAFETY: each number is in one piece.
-            for (number, (a, b)) in range.clone().zip(unsafe { self.piece(range) }) {
-                // SAFETY: less than the capacity, and each number once.
-                unsafe { (to_a.write(number, a), to_b.write(number, b)) };
+            let (a, b): (Vec<A>, Vec<B>) = unsafe { self.piece(range.clone()) }.unzip();
+            // SAFETY: less than the capacity, and each number is in one piece.
+            unsafe {
+                to_a.write(range.clone(), a.into_iter());
+                to_b.write(range, b.into_iter());
             }
         });
         // SAFETY: each piece of an exact loop has written all of its items.

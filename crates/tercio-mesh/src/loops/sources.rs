@@ -159,7 +159,7 @@ unsafe impl<'a, T: Sync> Loop for Chunks<'a, T> {
     }
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = &'a [T]> {
-        let end = (range.end * self.length).min(self.list.len());
+        let end = range.end.saturating_mul(self.length).min(self.list.len());
         self.list[range.start * self.length..end].chunks(self.length)
     }
 }
@@ -239,7 +239,7 @@ unsafe impl<'a, T: Send> Loop for ChunksMut<'a, T> {
     }
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = &'a mut [T]> {
-        let end = (range.end * self.length).min(self.list.len);
+        let end = range.end.saturating_mul(self.length).min(self.list.len);
         // SAFETY: the chunks of other numbers have other elements.
         unsafe { self.list.part(range.start * self.length..end) }.chunks_mut(self.length)
     }
@@ -271,7 +271,8 @@ macro_rules! numbers {
             type Loop = Numbers<$number>;
 
             fn into_par_iter(self) -> Self::Loop {
-                Numbers { first: self.start, len: self.end.saturating_sub(self.start) as usize }
+                let len = usize::try_from(self.end.saturating_sub(self.start)).expect("as many numbers as memory has addresses");
+                Numbers { first: self.start, len }
             }
         }
     )*};
@@ -279,7 +280,9 @@ macro_rules! numbers {
 
 numbers!(u32 u64 usize);
 
-/// The elements of a `Vec`, by value. Those that a loop did not come to, because a thread panicked, are not dropped.
+/// The elements of a `Vec`, by value. Those of pieces that are not begun (because a thread panicked, or what is zipped with them is
+/// shorter) are not dropped.
+#[must_use = "elements are dropped by the loop"]
 pub struct Owned<T> {
     list: Vec<ManuallyDrop<T>>,
 }
@@ -297,8 +300,33 @@ unsafe impl<T: Send> Loop for Owned<T> {
     }
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = T> {
-        // SAFETY: each element is moved out once, and never dropped in place.
-        self.list[range].iter().map(|element| unsafe { std::ptr::read(&**element) })
+        Moved { left: self.list[range].iter() }
+    }
+}
+
+/// Moves elements out of a piece, and drops those that nobody asked for.
+struct Moved<'a, T> {
+    left: std::slice::Iter<'a, ManuallyDrop<T>>,
+}
+
+impl<T> Iterator for Moved<'_, T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        // SAFETY: each element belongs to one piece, is moved out once, and never dropped in place.
+        self.left.next().map(|element| unsafe { std::ptr::read(&**element) })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.left.size_hint()
+    }
+}
+
+impl<T> Drop for Moved<'_, T> {
+    fn drop(&mut self) {
+        if std::mem::needs_drop::<T>() {
+            self.for_each(drop);
+        }
     }
 }
 

@@ -168,6 +168,33 @@ fn elements_are_dropped_once() {
 }
 
 #[test]
+fn elements_that_nobody_asks_for_are_dropped() {
+    struct Counted<'a>(&'a AtomicUsize);
+    impl Drop for Counted<'_> {
+        fn drop(&mut self) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+    let dropped = AtomicUsize::new(0);
+    let list = || (0..100).map(|_| Counted(&dropped)).collect::<Vec<_>>();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| {
+        assert!(list().into_par_iter().enumerate().any(|(k, _)| k == 3));
+        let failed: Result<Vec<_>, usize> =
+            list().into_par_iter().enumerate().map(|(k, v)| if k == 50 { Err(k) } else { Ok(v) }).collect();
+        assert_eq!(failed.err(), Some(50));
+    });
+    assert_eq!(dropped.load(Ordering::Relaxed), 200);
+}
+
+#[test]
+fn chunks_of_elements_without_size() {
+    let list = vec![(); usize::MAX];
+    let lengths: Vec<usize> = list.par_chunks(usize::MAX - 1).map(<[()]>::len).collect();
+    assert_eq!(lengths, [usize::MAX - 1, 1]);
+}
+
+#[test]
 fn a_panic_reaches_the_caller() {
     let list: Vec<String> = (0..100).map(|k| k.to_string()).collect();
     let result = std::panic::catch_unwind(|| {

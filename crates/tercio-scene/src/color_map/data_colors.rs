@@ -28,13 +28,16 @@ pub struct DataColors {
     /// Values that are names rather than quantities, in ascending order, each with its own colour; other values have the colour of
     /// NaN. Range, scale, bands, and the colours below and above are not used then.
     pub categories: Vec<Category>,
+    /// What a renderer subtracts from values, ranges and the rest of this before it rounds them to `f32`: not 0 for values that
+    /// differ by little against their size. All numbers here are full ones. A scale that is not linear is taken for linear then.
+    pub offset: f64,
 }
 
 /// A category: a value with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Category {
     /// The value of the data.
-    pub value: f32,
+    pub value: f64,
     /// What it is called.
     pub label: String,
     /// Its colour.
@@ -70,7 +73,13 @@ impl DataColors {
             above: None,
             opacities: Vec::new(),
             categories: Vec::new(),
+            offset: 0.0,
         }
+    }
+
+    /// The full value of one that is less [`DataColors::offset`].
+    pub fn full(&self, value: f32) -> f64 {
+        self.offset + f64::from(value)
     }
 
     /// The place of a value in the colour map: 0 at the lower end of the range to 1 at the upper one, less and more beyond; NaN
@@ -142,8 +151,7 @@ impl DataColors {
     /// The colour of a value.
     pub fn color(&self, value: f64) -> [u8; 4] {
         if !self.categories.is_empty() {
-            let found =
-                self.categories.binary_search_by(|category| f64::from(category.value).total_cmp(&value));
+            let found = self.categories.binary_search_by(|category| category.value.total_cmp(&value));
             return found.map_or(self.nan, |i| self.categories[i].color);
         }
         let position = self.position(value);

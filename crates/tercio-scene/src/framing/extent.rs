@@ -48,12 +48,31 @@ impl Extent {
         self.bounds
     }
 
-    /// A vertex that reaches farthest in a direction; none if there are none.
-    pub fn farthest(&self, direction: DVec3) -> Option<DVec3> {
-        let along = |p: &&[f32; 3]| direction.dot(DVec3::from(p.map(f64::from)));
-        let vertex =
-            self.points.par_iter().with_min_len(1 << 14).max_by(|a, b| along(a).total_cmp(&along(b)))?;
-        Some(self.origin + DVec3::from(vertex.map(f64::from)) * self.unit)
+    /// The vertices sorted into cells, to find the farthest in many directions.
+    pub fn cells(&self) -> Cells {
+        const SIDE: usize = 24;
+        let local = Mesh { positions: self.points.clone(), ..Mesh::default() }.bounds();
+        let (min, size) = (local.min, local.size().max(DVec3::splat(f64::MIN_POSITIVE)));
+        let cell_of = |p: &[f32; 3]| {
+            let at = (DVec3::from(p.map(f64::from)) - min) / size * SIDE as f64;
+            let [x, y, z] = at.to_array().map(|c| (c as usize).min(SIDE - 1));
+            (x * SIDE + y) * SIDE + z
+        };
+        let mut cells = vec![Vec::new(); SIDE.pow(3)];
+        for p in &self.points {
+            cells[cell_of(p)].push(*p);
+        }
+        cells.retain(|cell| !cell.is_empty());
+        let bounds = |cell: &Vec<[f32; 3]>| {
+            let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+            for p in cell {
+                min = std::array::from_fn(|k| min[k].min(p[k]));
+                max = std::array::from_fn(|k| max[k].max(p[k]));
+            }
+            [min, max]
+        };
+        let boxes = cells.iter().map(bounds).collect();
+        Cells { origin: self.origin, unit: self.unit, boxes, cells }
     }
 
     /// As [`Instance::reach`](crate::Instance::reach), with the same bits.
@@ -65,5 +84,39 @@ impl Extent {
         };
         let points = self.points.par_iter().with_min_len(1 << 14).map(along);
         direction.dot(self.origin - from) + points.reduce(|| f64::NEG_INFINITY, f64::max) * self.unit
+    }
+}
+
+/// Vertices sorted into cells of space.
+pub struct Cells {
+    origin: DVec3,
+    unit: f64,
+    boxes: Vec<[[f32; 3]; 2]>,
+    cells: Vec<Vec<[f32; 3]>>,
+}
+
+impl Cells {
+    /// A vertex, at the position given by its file, that reaches farthest in a direction; none if there are none.
+    pub fn farthest(&self, direction: DVec3) -> Option<DVec3> {
+        let along = |p: [f32; 3]| direction.dot(DVec3::from(p.map(f64::from)));
+        let of_box = |[min, max]: &[[f32; 3]; 2]| {
+            along(std::array::from_fn(|k| if direction[k] < 0.0 { min[k] } else { max[k] }))
+        };
+        let mut order: Vec<(f64, usize)> = self.boxes.iter().map(of_box).zip(0..).collect();
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best: Option<(f64, [f32; 3])> = None;
+        for (bound, number) in order {
+            if best.is_some_and(|(most, _)| bound < most) {
+                break;
+            }
+            for &p in &self.cells[number] {
+                let reached = along(p);
+                if best.is_none_or(|(most, _)| reached > most) {
+                    best = Some((reached, p));
+                }
+            }
+        }
+        let (_, vertex) = best?;
+        Some(self.origin + DVec3::from(vertex.map(f64::from)) * self.unit)
     }
 }

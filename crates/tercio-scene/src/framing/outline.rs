@@ -1,9 +1,8 @@
 //! The outline of models that are not in memory at the same time.
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
+use tercio_mesh::loops::prelude::*;
 use tercio_mesh::{Aabb, trig};
-
-use super::Extent;
 
 /// Directions in which models are measured: two neighbours are about 6 degrees apart.
 const DIRECTIONS: u32 = 1000;
@@ -24,29 +23,18 @@ impl Default for Outline {
 
 impl Outline {
     /// Adds a model with these world-space bounds, of which `farthest` gives a point that reaches farthest in a direction.
-    pub fn add(&mut self, bounds: &Aabb, farthest: impl Fn(DVec3) -> Option<DVec3>) {
-        self.bounds = self.bounds.union(*bounds);
-        for (most, direction) in self.farthest.iter_mut().zip(directions()) {
-            let own = farthest(direction).filter(|p| p.is_finite());
-            // The first of equal ones, so that the order of models is the only one that counts.
-            *most = match (*most, own) {
-                (Some(most), Some(own)) => Some(if direction.dot(own - most) > 0.0 { own } else { most }),
-                (most, own) => most.or(own),
-            };
-        }
+    pub fn add(&mut self, bounds: &Aabb, farthest: impl Fn(DVec3) -> Option<DVec3> + Sync) {
+        let directions: Vec<DVec3> = directions().collect();
+        let farthest = directions.par_iter().map(|&d| farthest(d).filter(|p| p.is_finite())).collect();
+        self.add_outline(&Self { farthest, bounds: *bounds });
     }
 
-    /// Adds an extent at a place.
-    pub fn add_extent(&mut self, extent: &Extent, world_from_object: &DAffine3) {
-        let mut bounds = Aabb::EMPTY;
-        if !extent.bounds().is_empty() {
-            let corners = extent.bounds().corners();
-            corners.into_iter().for_each(|corner| bounds.add(world_from_object.transform_point3(corner)));
+    /// Adds the models of another outline.
+    pub fn add_outline(&mut self, other: &Self) {
+        self.bounds = self.bounds.union(other.bounds);
+        for ((most, own), direction) in self.farthest.iter_mut().zip(&other.farthest).zip(directions()) {
+            *most = farther(direction, *most, *own);
         }
-        self.add(&bounds, |direction| {
-            let farthest = extent.farthest(world_from_object.matrix3.transpose() * direction)?;
-            Some(world_from_object.transform_point3(farthest))
-        });
     }
 
     /// World-space bounds of all models.
@@ -73,11 +61,20 @@ fn directions() -> impl Iterator<Item = DVec3> {
     DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]).chain(spiral)
 }
 
+/// The one of two points that is farther in a direction; of equal ones the first.
+fn farther(direction: DVec3, a: Option<DVec3>, b: Option<DVec3>) -> Option<DVec3> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if direction.dot(b - a) > 0.0 { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use tercio_mesh::builtin;
     use tercio_mesh::cluster::{PartitionOptions, partition};
 
+    use super::super::Extent;
     use super::*;
     use crate::Instance;
 
@@ -85,7 +82,7 @@ mod tests {
     fn an_outline_reaches_as_far_as_the_models() {
         let of = |name: &str, at: DVec3| {
             let mesh = partition(builtin::make(name).unwrap(), &PartitionOptions::default());
-            Instance { world_from_object: DAffine3::from_translation(at), ..Instance::new(mesh) }
+            Instance { world_from_object: glam::DAffine3::from_translation(at), ..Instance::new(mesh) }
         };
         let models =
             [of("builtin:teapot@20k", DVec3::ZERO), of("builtin:gyroid@20k", DVec3::new(1.0, 3.0, -2.0))];
@@ -103,6 +100,19 @@ mod tests {
             );
         }
         assert_eq!(Outline::default().reach(DVec3::X, DVec3::ZERO), f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn cells_find_the_farthest_vertex() {
+        let mesh = builtin::make("builtin:terrain@20k").unwrap();
+        let extent = Extent::of_mesh(&mesh);
+        let cells = extent.cells();
+        for direction in directions().map(|d| DVec3::new(d.z, d.x, -d.y)) {
+            let farthest = direction.dot(cells.farthest(direction).unwrap());
+            assert!((farthest - extent.reach(direction, DVec3::ZERO)).abs() < 1e-9, "{direction}");
+        }
+        let nothing = Extent::of_mesh(&tercio_mesh::Mesh::default()).cells();
+        assert_eq!(nothing.farthest(DVec3::X), None);
     }
 
     #[test]

@@ -58,7 +58,7 @@ pub struct DataOptions {
     /// Opacities, spread evenly over the colours.
     pub opacities: Vec<f32>,
     /// Values are categories; some of them have labels.
-    pub categories: Option<Vec<(f32, String)>>,
+    pub categories: Option<Vec<(f64, String)>>,
     /// Where up is, for `@elevation`.
     pub up: DVec3,
 }
@@ -224,7 +224,8 @@ impl DataOptions {
             Err(_) if on_strokes.is_some() => None,
             Err(error) => return Err(strokes::list_those_of(error, strokes, is_cloud).into()),
         };
-        let reader = |source: &DataSource| (DataReader::new(source, instance), &*instance.mesh);
+        let reader =
+            |source: &DataSource, offset| (DataReader::new(source, instance, offset), &*instance.mesh);
         let source = match (&on_surface, &on_strokes) {
             (Some(name::Found::Colors { .. }), _) | (None, Some(name::Found::Colors { .. })) => {
                 return Ok(self.direct(instance, strokes, on_surface, on_strokes));
@@ -232,14 +233,24 @@ impl DataOptions {
             (Some(name::Found::Values(source)), _) => Some(source.clone()),
             (None, _) => None,
         };
-        let others = match &on_strokes {
+        let offset = match (&source, &on_strokes) {
+            // Of two vectors that differ by little the lengths may not come back from full numbers exactly.
+            (Some(DataSource::Magnitude(_)), _) if self.categories.is_some() => 0.0,
+            (Some(source), _) => source.offset(layout),
+            (None, Some(name::Found::Values(source))) => source.offset(&strokes::layout(strokes)),
+            (None, _) => 0.0,
+        };
+        let mut others = match &on_strokes {
             Some(name::Found::Values(source)) => {
-                Some(strokes::values(source, strokes, &instance.world_from_object))
+                Some(strokes::values(source, strokes, &instance.world_from_object, offset))
             }
             _ => None,
         };
-        let values =
-            Values { surface: source.as_ref().map(reader), others: others.as_deref().unwrap_or_default() };
+        let values = Values {
+            surface: source.as_ref().map(|source| reader(source, offset)),
+            others: others.as_deref().unwrap_or_default(),
+            offset,
+        };
         let statistics = of_all(Statistics::of(&values))?;
         let is_constant = |source: &DataSource| source.domain(layout) == AttributeDomain::Triangle;
         if self.isolines.is_some() && source.as_ref().is_none_or(is_constant) {
@@ -254,6 +265,10 @@ impl DataOptions {
             }
             None => self.range_colors(&statistics, &values)?,
         };
+        if colors.offset != offset {
+            let stored = |value: &mut f32| *value = (offset + f64::from(*value) - colors.offset) as f32;
+            others.iter_mut().flatten().for_each(stored);
+        }
         let of_strokes = others.map(|values| StrokeData::Mapped {
             values,
             colors: Arc::new(DataColors { isolines: None, ..colors.clone() }),
@@ -279,14 +294,15 @@ impl DataOptions {
         };
         let (on_surface, on_strokes) = (colors(on_surface), colors(on_strokes));
         let of_strokes: Option<Vec<Vec<f32>>> = on_strokes.map(|(components, _)| {
-            let values = |source| strokes::values(source, strokes, &instance.world_from_object);
+            let values = |source| strokes::values(source, strokes, &instance.world_from_object, 0.0);
             components.iter().map(values).collect()
         });
         let of_surface = on_surface.iter().flat_map(|(components, _)| components).map(|source| Values {
-            surface: Some((DataReader::new(source, instance), &*instance.mesh)),
+            surface: Some((DataReader::new(source, instance, 0.0), &*instance.mesh)),
             others: &[],
+            offset: 0.0,
         });
-        let others = of_strokes.iter().flatten().map(|others| Values { surface: None, others });
+        let others = of_strokes.iter().flatten().map(|others| Values { surface: None, others, offset: 0.0 });
         let is_signed = on_surface.as_ref().is_some_and(|(_, is_signed)| *is_signed);
         let (scale, offset) =
             if is_signed { (0.5, 0.5) } else { (range::color_scale(of_surface.chain(others)), 0.0) };
@@ -306,10 +322,10 @@ impl DataOptions {
             None if is_given => [0.0; 2],
             None => return Err(DataError::NoNumbers(self.by.clone())),
         };
-        let end = |end: RangeEnd, of_data: f32| match end {
-            RangeEnd::OfData => f64::from(of_data),
+        let end = |end: RangeEnd, of_data: f64| match end {
+            RangeEnd::OfData => of_data,
             RangeEnd::At(value) => value,
-            RangeEnd::Percentile(share) => f64::from(range::percentile(values, share, is_log)),
+            RangeEnd::Percentile(share) => range::percentile(values, share, is_log),
         };
         let [mut low, mut high] = [end(self.range.low, finite[0]), end(self.range.high, finite[1])];
         let name = || self.by.clone();
@@ -317,11 +333,12 @@ impl DataOptions {
             return Err(DataError::NotPositive { name: name(), low, high });
         }
         if low == high && !is_given {
-            // All values are the same: it gets the middle colour.
-            let half = if low == 0.0 { 0.5 } else { low.abs() * 0.5 };
+            // All values are the same: it gets the middle colour of a range so narrow that it is the value that a bar shows.
+            let half = if low == 0.0 { 0.01 } else { low.abs() * 0.01 };
             (low, high) = (low - half, high + half);
         }
-        if !((low as f32) < high as f32) {
+        let offset = range::offset_of_colors([low, high], values.offset, self.scale == ScaleOption::Linear);
+        if !(((low - offset) as f32) < (high - offset) as f32) {
             return Err(DataError::Range { name: name(), low, high });
         }
         let map = self.map.clone().unwrap_or_else(|| known("viridis"));
@@ -336,6 +353,7 @@ impl DataOptions {
         };
         (colors.bands, colors.nan, colors.below, colors.above) =
             (self.bands, self.nan, self.below, self.above);
+        colors.offset = offset;
         colors.opacities.clone_from(&self.opacities);
         colors.isolines = self.isolines.as_ref().map(|lines| {
             let values = match &lines.at {
@@ -350,9 +368,12 @@ impl DataOptions {
         Ok(colors)
     }
 
-    fn category_colors(&self, labels: &[(f32, String)], values: &Values) -> Result<DataColors, DataError> {
+    fn category_colors(&self, labels: &[(f64, String)], values: &Values) -> Result<DataColors, DataError> {
+        let offset = values.offset;
         let found = range::different(values, MOST_CATEGORIES);
         let mut values = found.ok_or_else(|| DataError::TooManyCategories(self.by.clone()))?;
+        let labels: Vec<(f32, &String)> =
+            labels.iter().map(|(of, label)| ((of - offset) as f32, label)).collect();
         values.extend(labels.iter().map(|(value, _)| *value));
         // -0 is 0.
         values.iter_mut().for_each(|value| *value += 0.0);
@@ -361,19 +382,40 @@ impl DataOptions {
         let default = || known(if values.len() <= 9 { "Set1" } else { "tab20" });
         let map = self.map.clone().unwrap_or_else(default);
         let category = |(number, &value): (usize, &f32)| {
-            let label = labels.iter().find(|(of, _)| *of == value).map(|(_, label)| label.clone());
+            let label = labels.iter().find(|(of, _)| *of == value).map(|(_, label)| (*label).clone());
             let [r, g, b] = map.category(number).map(|c| (c * 255.0 + 0.5) as u8);
-            Category { value, label: label.unwrap_or_else(|| value.to_string()), color: [r, g, b, 255] }
+            let label = label.unwrap_or_else(|| printed(value, offset));
+            Category { value: offset + f64::from(value), label, color: [r, g, b, 255] }
         };
-        let categories = values.iter().enumerate().map(category).collect();
-        let ends = [values.first(), values.last()].map(|value| f64::from(*value.unwrap_or(&0.0)));
+        let categories: Vec<Category> = values.iter().enumerate().map(category).collect();
+        let ends = [categories.first(), categories.last()].map(|category| category.map_or(0.0, |c| c.value));
         let mut colors = DataColors::new(&self.by, map, [ends[0], ends[1].max(ends[0] + 1.0)]);
-        (colors.categories, colors.nan) = (categories, self.nan);
+        (colors.categories, colors.nan, colors.offset) = (categories, self.nan, offset);
         if colors.categories.is_empty() {
             return Err(DataError::NoNumbers(self.by.clone()));
         }
         Ok(colors)
     }
+}
+
+/// A value as the file has it, in the fewest digits that mean it: one stored less an [offset](tercio_mesh::Attribute::offset).
+pub fn printed(value: f32, offset: f64) -> String {
+    // -0 is 0.
+    let value = value + 0.0;
+    let full = offset + f64::from(value);
+    if offset == 0.0 {
+        return value.to_string();
+    }
+    if full.fract() == 0.0 || !full.is_finite() {
+        return full.to_string();
+    }
+    // As many digits after the point as those of the offset, and seven of the stored value; 15 in all, which f64 has for certain.
+    let after = |text: String| text.split_once('.').map_or(0, |(_, digits)| digits.len());
+    let short: f64 = format!("{value:.6e}").parse().unwrap_or_default();
+    let before = format!("{:.0}", full.abs().trunc()).len();
+    let places = after(offset.to_string()).max(after(short.to_string())).min(15usize.saturating_sub(before));
+    let text = format!("{full:.places$}");
+    if places == 0 { text } else { text.trim_end_matches('0').trim_end_matches('.').to_owned() }
 }
 
 /// A colour map that is always there.

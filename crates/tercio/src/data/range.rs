@@ -29,6 +29,8 @@ pub struct Ends {
 pub(super) struct Values<'a> {
     pub surface: Option<(DataReader, &'a ClusteredMesh)>,
     pub others: &'a [f32],
+    /// What all of them are less.
+    pub offset: f64,
 }
 
 /// Values of others in a piece.
@@ -60,23 +62,23 @@ impl Values<'_> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// The least and the greatest finite value; `None` if there is none.
-    pub finite: Option<[f32; 2]>,
+    pub finite: Option<[f64; 2]>,
     /// Of those above 0.
-    pub positive: Option<[f32; 2]>,
+    pub positive: Option<[f64; 2]>,
 }
 
 impl Statistics {
     /// Of some values.
     pub(super) fn of(values: &Values) -> Self {
         let add = |mut all: Self, piece: usize| {
-            values.each(piece, |value| all = all.and(Self::of_value(value)));
+            values.each(piece, |value| all = all.and(Self::of_value(values.offset + f64::from(value))));
             all
         };
         let pieces = (0..values.pieces()).into_par_iter().with_min_len(64);
         pieces.fold(Self::default, add).reduce(Self::default, Self::and)
     }
 
-    fn of_value(value: f32) -> Self {
+    fn of_value(value: f64) -> Self {
         let finite = value.is_finite().then_some([value; 2]);
         Self { finite, positive: finite.filter(|_| value > 0.0) }
     }
@@ -84,7 +86,7 @@ impl Statistics {
     /// Those of two sets together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        let both = |a: Option<[f32; 2]>, b: Option<[f32; 2]>| match (a, b) {
+        let both = |a: Option<[f64; 2]>, b: Option<[f64; 2]>| match (a, b) {
             (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
             (a, b) => a.or(b),
         };
@@ -104,14 +106,14 @@ fn value(key: u32) -> f32 {
 
 /// The value that this share of the finite values is at most (the nearest one: no mean of two); of those above 0 if `positive`. 0 if
 /// there is none.
-pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f32 {
+pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f64 {
     const HALF: usize = 1 << 16;
     // Counts by the upper half of the key, then, of those with the half that is looked for, by the lower one.
     let count = |upper: Option<u32>| {
         let add = |mut counts: Vec<u64>, piece: usize| {
             values.each(piece, |value| {
                 let key = sort_key(value);
-                let is_counted = value.is_finite() && (!positive || value > 0.0);
+                let is_counted = value.is_finite() && (!positive || values.offset + f64::from(value) > 0.0);
                 match upper {
                     None if is_counted => counts[(key >> 16) as usize] += 1,
                     Some(upper) if is_counted && key >> 16 == upper => counts[(key & 0xffff) as usize] += 1,
@@ -125,7 +127,9 @@ pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f32 {
             a
         };
         let none = || vec![0; HALF];
-        (0..values.pieces()).into_par_iter().with_min_len(1024).fold(none, add).reduce(none, sum)
+        // The counts of all pieces are in memory at a time: one piece a thread.
+        let least = values.pieces().div_ceil(rayon::current_num_threads()).max(1024);
+        (0..values.pieces()).into_par_iter().with_min_len(least).fold(none, add).reduce(none, sum)
     };
     let coarse = count(None);
     let all: u64 = coarse.iter().sum();
@@ -144,7 +148,19 @@ pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f32 {
     };
     let upper = find(&coarse);
     let lower = find(&count(Some(upper)));
-    value(upper << 16 | lower)
+    values.offset + f64::from(value(upper << 16 | lower))
+}
+
+/// What values are best less when they become colours of a range: `of_values`, which the values are less, or 0 where the range is so
+/// wide that rounding full numbers to `f32` cannot be seen.
+pub(super) fn offset_of_colors([low, high]: [f64; 2], of_values: f64, is_linear: bool) -> f64 {
+    // Logarithms are even enough only in a range that is narrower still.
+    let wide = if is_linear { 1.0 / 512.0 } else { 1.0 / 4096.0 };
+    if of_values == 0.0 || !(high - low < low.abs().max(high.abs()) * wide) {
+        return 0.0;
+    }
+    // A narrow range that is far from the values.
+    if (low - of_values) as f32 == (high - of_values) as f32 { low } else { of_values }
 }
 
 /// The different values, unsorted; `None` if there are more than `most`. What is not a number is left out.
@@ -172,6 +188,6 @@ pub(super) fn different(values: &Values, most: usize) -> Option<Vec<f32>> {
 /// What the components of colours are multiplied by: 1 if none is above 1, else 1/255.
 pub(super) fn color_scale<'a>(components: impl IntoIterator<Item = Values<'a>>) -> f32 {
     let of = |values: Values| Statistics::of(&values).finite;
-    let most = components.into_iter().filter_map(of).map(|[_, high]| high).fold(0.0, f32::max);
+    let most = components.into_iter().filter_map(of).map(|[_, high]| high).fold(0.0, f64::max);
     if most > 1.0 { 1.0 / 255.0 } else { 1.0 }
 }

@@ -20,6 +20,21 @@ pub struct ModelData {
     pub strokes: Option<StrokeData>,
 }
 
+impl ModelData {
+    /// The colours of values, if the data are values.
+    pub fn colors(&self) -> Option<&DataColors> {
+        let of_surface = match self.surface.as_deref() {
+            Some(SurfaceData::Mapped { colors, .. }) => Some(&**colors),
+            _ => None,
+        };
+        let of_strokes = match &self.strokes {
+            Some(StrokeData::Mapped { colors, .. }) => Some(&**colors),
+            _ => None,
+        };
+        of_surface.or(of_strokes)
+    }
+}
+
 /// What the colours of lines and points show.
 #[derive(Clone, Debug)]
 pub enum StrokeData {
@@ -37,7 +52,7 @@ pub enum StrokeData {
 /// What strokes store, as that of a surface.
 pub fn layout(strokes: &Strokes) -> Layout {
     let attributes = strokes.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect();
-    Layout { attributes, ..Layout::default() }
+    Layout { attributes, offsets: Layout::offsets_of(&strokes.attributes), ..Layout::default() }
 }
 
 /// The data of a name; `None` if strokes do not have them.
@@ -63,20 +78,24 @@ pub(super) fn list_those_of(error: DataError, strokes: &Strokes, is_cloud: bool)
     DataError::Unknown { name, available: all }
 }
 
-/// The values of all vertices, at a place in the world.
-pub(super) fn values(source: &DataSource, strokes: &Strokes, place: &DAffine3) -> Vec<f32> {
+/// The values of all vertices, at a place in the world, less an offset.
+pub(super) fn values(source: &DataSource, strokes: &Strokes, place: &DAffine3, offset: f64) -> Vec<f32> {
     let count = strokes.positions.len();
-    let of = |number: usize| &strokes.attributes[number].values;
+    let of = |number: usize| &strokes.attributes[number];
     match source {
-        DataSource::Attribute(number) => of(*number).clone(),
+        DataSource::Attribute(number) => {
+            let mut own = of(*number).clone();
+            own.set_offset(offset);
+            own.values
+        }
         DataSource::Magnitude(numbers) => {
-            let square = |v: usize, n: usize| f64::from(of(n)[v]) * f64::from(of(n)[v]);
-            let length = |v: usize| numbers.iter().map(|&n| square(v, n)).sum::<f64>().sqrt() as f32;
-            (0..count).into_par_iter().map(length).collect()
+            let square = |v: usize, n: usize| of(n).full(of(n).values[v]).powi(2);
+            let length = |v: usize| numbers.iter().map(|&n| square(v, n)).sum::<f64>().sqrt();
+            (0..count).into_par_iter().map(|v| (length(v) - offset) as f32).collect()
         }
         DataSource::Along(up) => {
             let at = |v: usize| place.transform_point3(strokes.position(v as u32));
-            (0..count).into_par_iter().map(|v| up.dot(at(v)) as f32).collect()
+            (0..count).into_par_iter().map(|v| (up.dot(at(v)) - offset) as f32).collect()
         }
         DataSource::Normal(_) | DataSource::Face => vec![f32::NAN; count],
     }

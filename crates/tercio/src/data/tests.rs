@@ -14,7 +14,7 @@ fn model(attributes: &[Made]) -> Instance {
             AttributeDomain::Triangle => mesh.triangles.len(),
         };
         let values = (0..count).map(value).collect();
-        mesh.attributes.push(Attribute { name: (*name).into(), domain: *domain, values });
+        mesh.attributes.push(Attribute { name: (*name).into(), domain: *domain, values, offset: 0.0 });
     }
     Instance::new(partition(mesh, &PartitionOptions::default()))
 }
@@ -28,6 +28,36 @@ fn colors(options: &DataOptions, instance: &Instance) -> Result<DataColors, Data
 
 const V: AttributeDomain = AttributeDomain::Vertex;
 const T: AttributeDomain = AttributeDomain::Triangle;
+
+#[test]
+fn values_with_an_offset_are_full_ones() {
+    let values = (0..4).map(|i| i as f32 * 0.25).collect();
+    let attribute = Attribute { name: "q".into(), domain: V, values, offset: 1e9 };
+    let mesh = Mesh {
+        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2], [2, 1, 3]],
+        attributes: vec![attribute],
+        ..Mesh::default()
+    };
+    let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
+    let mut options = DataOptions::new("q");
+    let found = colors(&options, &instance).expect("a range");
+    assert_eq!((found.range, found.offset), ([1e9, 1e9 + 0.75], 1e9));
+    // Logarithms of numbers so close are even.
+    options.scale = ScaleOption::Log;
+    assert_eq!(colors(&options, &instance).expect("a range").offset, 1e9);
+    // In a wide range nothing is seen of the differences.
+    options.range = Ends { low: RangeEnd::At(1.0), high: RangeEnd::OfData };
+    assert_eq!(colors(&options, &instance).expect("a range").offset, 0.0);
+    options.range = Ends { low: RangeEnd::Percentile(0.5), high: RangeEnd::OfData };
+    assert!((1e9 + 0.25..1e9 + 0.75).contains(&colors(&options, &instance).expect("a range").range[0]));
+    let mut options = DataOptions::new("q");
+    options.categories = Some(vec![(1e9 + 0.5, "half".into())]);
+    let found = colors(&options, &instance).expect("categories");
+    let labels: Vec<&str> = found.categories.iter().map(|c| &*c.label).collect();
+    assert_eq!(labels, ["1000000000", "1000000000.25", "half", "1000000000.75"]);
+    assert_eq!([printed(-0.0, 0.0), printed(0.00019, 1013.25)], ["0", "1013.25019"]);
+}
 
 #[test]
 fn names_find_attributes_components_and_colors() {
@@ -120,7 +150,7 @@ fn categories_are_the_values_that_there_are() {
     assert_eq!(found.color(1.0), [55, 126, 184, 255], "the second colour of Set1");
     let mesh = builtin::make("builtin:sphere@20k").expect("a model");
     let values = (0..mesh.positions.len()).map(|i| i as f32).collect();
-    let many = Attribute { name: "many".into(), domain: V, values };
+    let many = Attribute { name: "many".into(), domain: V, values, offset: 0.0 };
     let mesh = Mesh { attributes: vec![many], ..mesh };
     options.by = "many".into();
     let instance = Instance::new(partition(mesh, &PartitionOptions::default()));

@@ -267,11 +267,11 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     let (mut scale, mut offset) = (1.0, 0.0);
     match data {
         Some(SurfaceData::Mapped { source, colors }) => {
-            readers.push(DataReader::new(source, instance));
+            readers.push(DataReader::new(source, instance, colors.offset));
             look.colors = Some(Arc::clone(colors));
         }
         Some(SurfaceData::Direct { components, scale: times, offset: plus }) => {
-            readers.extend(components.iter().map(|source| DataReader::new(source, instance)));
+            readers.extend(components.iter().map(|source| DataReader::new(source, instance, 0.0)));
             (scale, offset) = (*times, *plus);
         }
         None => {}

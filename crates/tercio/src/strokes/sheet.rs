@@ -107,7 +107,7 @@ impl<'a> Sheet<'a> {
             positions: self.positions,
             triangles: self.triangles,
             vertex_colors: look.colors.is_none().then(|| self.inks.iter().map(|ink| ink.color).collect()),
-            attributes: look.colors.iter().map(|_| values(&self.inks)).collect(),
+            attributes: look.colors.iter().map(|colors| values(&self.inks, colors.offset)).collect(),
             normals: (!self.normals.is_empty()).then_some(self.normals),
             ..Mesh::default()
         };
@@ -120,9 +120,9 @@ impl<'a> Sheet<'a> {
     }
 }
 
-fn values(inks: &[Ink]) -> Attribute {
+fn values(inks: &[Ink], offset: f64) -> Attribute {
     let values = inks.iter().map(|ink| ink.value).collect();
-    Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values }
+    Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values, offset }
 }
 
 /// Draws strokes onto sheets, in parallel; the sheets, in order, as instances.

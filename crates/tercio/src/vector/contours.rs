@@ -14,12 +14,12 @@ pub type Piece = (usize, [DVec3; 2]);
 /// Where the data of an instance have these values, which are in ascending order. Data are interpolated linearly over each
 /// triangle; those at triangles have no such lines. A triangle with a corner that is not a number has none.
 pub fn contours(instance: &Instance, values: &[f64]) -> Vec<Piece> {
-    let Some(SurfaceData::Mapped { source, .. }) = instance.data.as_deref() else { return Vec::new() };
+    let Some(SurfaceData::Mapped { source, colors }) = instance.data.as_deref() else { return Vec::new() };
     let mesh = &instance.mesh;
     if source.domain(mesh.layout()) != AttributeDomain::Vertex {
         return Vec::new();
     }
-    let reader = DataReader::new(source, instance);
+    let reader = DataReader::new(source, instance, colors.offset);
     let pieces: Vec<Vec<Piece>> = (0..mesh.clusters().len())
         .into_par_iter()
         .map(|number| {
@@ -30,7 +30,7 @@ pub fn contours(instance: &Instance, values: &[f64]) -> Vec<Piece> {
             let mut pieces = Vec::new();
             for t in 0..cluster.triangles() {
                 let corners = cluster.corners_of(t).map(usize::from);
-                in_triangle(corners.map(at), corners.map(|v| f64::from(data[v])), values, &mut pieces);
+                in_triangle(corners.map(at), corners.map(|v| colors.full(data[v])), values, &mut pieces);
             }
             pieces
         })

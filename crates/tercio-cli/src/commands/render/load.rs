@@ -54,7 +54,10 @@ impl Render {
         if self.environment.is_given() {
             display.stage("reading the environment");
         }
-        let panorama = self.environment.read(self.running.memory_limit())?;
+        let panorama = match self.is_measured {
+            false => self.environment.read(self.running.memory_limit())?,
+            true => None,
+        };
         let picture = self.picture_bytes(job);
         let (mut files, mut file_of) = (Vec::<Opened>::new(), Vec::new());
         let mut taken = 0u64;
@@ -94,8 +97,14 @@ impl Render {
             let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
             report.read.warnings.extend(of_another);
             let strokes = member.strokes_of(file.loaded.whole.as_ref(), Arc::clone(&file.strokes))?;
-            let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
-            let mut data = data.with_context(|| member.model.name())?;
+            let (mut data, notes) = match self.is_measured {
+                false => {
+                    let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
+                    data.with_context(|| member.model.name())?
+                }
+                true => Default::default(),
+            };
+            report.read.warnings.extend(notes);
             let is_drawing = job.writing.plan.drawing.is_some();
             if instance.data.is_some() && !member.strokes.shows_data(is_drawing, !strokes.is_empty()) {
                 (instance.data, data) = (None, None);
@@ -122,11 +131,18 @@ impl Render {
                 specular: member.drawing.specular(),
                 is_unlit: self.drawing.is_unlit(),
             };
-            let textures = member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
+            let textures = match self.is_measured {
+                false => member.textures.load((&mut scene, begin), &member.model.model, &report, &limits),
+                true => None,
+            };
             if let Some(textures) = &textures {
                 // They are not always where the model says.
                 writing.files.check_companions(&member.model.name(), &textures.files)?;
                 taken = taken.saturating_add(textures.bytes);
+            }
+            if scene.instances[begin].data.is_some() && member.placements.iter().any(|p| p.color.is_some()) {
+                let text = "the colour of an instance has no effect: it has the colours of the model's data (color-by)";
+                report.read.warnings.push(text.into());
             }
             let caps = member.clip.caps(&scene.instances[begin], file.loaded.caps.clone());
             scene.instances.extend(caps);
@@ -167,10 +183,12 @@ impl Render {
         }
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();
-        for (model, &number) in models.iter().zip(&file_of) {
+        for ((model, &number), member) in models.iter().zip(&file_of).zip(self.members()) {
             let file = &files[number];
-            model.frame_in(&mut subject, &scene, (file.loaded.whole.as_ref(), &file.strokes));
+            let of_file = (file.loaded.whole.as_ref(), &*file.strokes);
+            model.frame_in(&mut subject, &scene, of_file, &member.strokes);
         }
+        let outline = self.is_measured.then(|| subject.outline());
         if let Some(outline) = &self.outline {
             subject.add_outline(outline);
         }
@@ -192,7 +210,7 @@ impl Render {
         }
         let reports = self.model_reports(&models, &scene);
         let together = members::together(&models, &scene);
-        Ok(Loaded { scene, models, reports, together, background, look, annotated, cameras })
+        Ok(Loaded { scene, models, outline, reports, together, background, look, annotated, cameras })
     }
 
     /// Whether two models are one that is loaded once.

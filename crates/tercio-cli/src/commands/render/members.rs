@@ -16,6 +16,7 @@ use super::Render;
 use super::strokes::Drawable;
 use super::subject::{Subject, placed};
 use crate::args::place::PlaceArgs;
+use crate::args::strokes::StrokeArgs;
 use crate::{look, report};
 
 /// A further place of a model.
@@ -61,25 +62,33 @@ pub(super) struct OfModel {
 }
 
 impl OfModel {
-    /// Adds it to what the camera frames: all of a model that is clipped, and all lines and points of its `file`.
+    /// Adds it to what the camera frames: all of a model that is clipped, and all lines and points of its `file`, with their widths in
+    /// world units.
     pub fn frame_in<'a>(
         &self,
         subject: &mut Subject<'a>,
         scene: &'a Scene,
         (whole, file): (Option<&'a Extent>, &Strokes),
+        strokes: &StrokeArgs,
     ) {
+        let margin = strokes.margin_of_mesh();
         match whole {
             Some(whole) => {
-                self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(whole), place));
+                self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(whole), place, margin));
             }
-            None => scene.instances[self.instances.clone()].iter().for_each(|i| subject.add_instance(i)),
+            None => {
+                let instances = &scene.instances[self.instances.clone()];
+                instances.iter().for_each(|instance| subject.add_instance(instance, margin));
+            }
         }
         if !file.is_empty() {
-            let strokes = Extent::of_strokes(file);
-            self.places.iter().for_each(|&place| subject.add_extent(Cow::Owned(strokes.clone()), place));
+            let (extent, margin) = (Extent::of_strokes(file), strokes.margin_of(file));
+            self.places
+                .iter()
+                .for_each(|&place| subject.add_extent(Cow::Owned(extent.clone()), place, margin));
         }
         for glyphs in &self.drawable.glyphs {
-            subject.add_extent(Cow::Owned(Extent::of_strokes(&ends_of(glyphs))), DAffine3::IDENTITY);
+            subject.add_extent(Cow::Owned(Extent::of_strokes(&ends_of(glyphs))), DAffine3::IDENTITY, 0.0);
         }
     }
 

@@ -152,6 +152,9 @@ pub struct Render {
     /// The other models of the series, which the camera frames, too.
     #[arg(skip)]
     outline: Option<Arc<Outline>>,
+    /// Whether it is loaded only to measure it for the series: without textures and data.
+    #[arg(skip)]
+    is_measured: bool,
     /// Where the options come from, besides the command line.
     #[arg(skip)]
     pub origin: Origin,
@@ -169,6 +172,8 @@ struct Job {
 struct Loaded {
     scene: Scene,
     models: Vec<OfModel>,
+    /// What the camera would frame, if it was loaded to be measured.
+    outline: Option<Outline>,
     /// What is said about each model.
     reports: Vec<ModelReport>,
     /// What is said about all of them together.

@@ -71,6 +71,7 @@ impl Render {
         }
         self.check_vector(plan).map_err(UsageError)?;
         self.warn_of_samples(plan);
+        self.warn_of_bands(plan);
         self.check_options()?;
         for member in &self.others {
             let named = |UsageError(text)| UsageError(format!("{}: {text}", member.model.name()));

@@ -263,7 +263,7 @@ impl Group {
         if self.steps.len() > 1 {
             let models: Vec<ModelArgs> = self.steps.iter().map(|step| step.render.model.clone()).collect();
             // An error in a model is reported when that is drawn.
-            if let Ok(of_series) = self.steps[0].render.survey(&models, display) {
+            if let Ok(of_series) = self.steps[0].render.survey(&self.steps[0].job, &models, display) {
                 for Item { render, .. } in &mut self.steps {
                     *render = render.clone().of_series(&of_series);
                 }
@@ -283,7 +283,7 @@ impl Group {
         for Item { render, job, .. } in &self.steps {
             let mut loaded = render.load(job, &silent, None::<&mut mpi::Comm>)?;
             render.print_warnings(&loaded.reports);
-            // All times have the camera of the first one.
+            // All times have one camera.
             loaded.cameras.clone_from(cameras.get_or_insert_with(|| loaded.cameras.clone()));
             let mut artist = Artist::new(job.drawers, None);
             let mut spare = Frame::default();

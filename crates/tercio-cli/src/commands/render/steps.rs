@@ -6,9 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
-use tercio::scene::Instance;
-use tercio::scene::framing::{Extent, Outline};
-use tercio::{LoadOptions, Normals};
+use tercio::scene::framing::Outline;
 
 use super::alone::{Artist, done};
 use super::series::Running;
@@ -16,6 +14,7 @@ use super::{Done, Job, Render, Writing};
 use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
 use crate::args::{ModelArgs, ProgressMode};
+use crate::messages::warning;
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 use crate::progress::Display;
@@ -69,7 +68,7 @@ impl Render {
 
     fn draw_steps(&self, job: &Job, steps: &[ModelArgs]) -> Result<(Done, Vec<serde_json::Value>)> {
         let display = Display::new(self.running.progress_mode());
-        let of_series = self.survey(steps, &display)?;
+        let of_series = self.survey(job, steps, &display)?;
         self.begin_pictures(job, &display);
         let mut running = Running::new(self, job, &display)?;
         let mut artist = Artist::new(job.drawers, self.ranks.now().map(|_| Default::default()));
@@ -99,53 +98,56 @@ impl Render {
         Ok((done(loaded, running.finish()?, artist.choice, artist.trace), loads))
     }
 
-    /// What the pictures of all steps have in common: the models are read for that.
+    /// What the pictures of all steps have in common: the models are read for that, if they can be read twice.
     ///
     /// # Errors
-    /// The data of a model: what else is wrong with it is reported when it is drawn.
-    pub(super) fn survey(&self, steps: &[ModelArgs], display: &Display) -> Result<OfSeries> {
+    /// The data of a model; they are needed of one that can be read only once. What else is wrong is reported when it is drawn.
+    pub(super) fn survey(&self, job: &Job, steps: &[ModelArgs], display: &Display) -> Result<OfSeries> {
         let count = |is_all: bool| if is_all { steps.len() } else { 1 };
         let with_data = self.data.range_over().filter(|over| *over != RangeOver::Each);
         let with_data = with_data.map_or(0, |over| count(over == RangeOver::All));
         let frames_all = steps.len() > 1 && self.series.frames_all() && self.camera.frames_model();
-        let framed = if frames_all { steps.len() } else { 0 };
+        let mut framed = if frames_all { steps.len() } else { 0 };
+        let once = |steps: &[ModelArgs]| steps.iter().find(|s| !s.can_be_read_again()).map(ModelArgs::name);
+        if let Some(name) = once(&steps[..with_data]) {
+            let text = format!(
+                "{name} can be read only once, and the colours of a series depend on the data of all models: give --range LOW,HIGH or --range-over each, or name files"
+            );
+            return Err(UsageError(text).into());
+        }
+        if let Some(name) = once(&steps[..framed]) {
+            warning(&format!(
+                "{name} can be read only once: the first model is framed, not all of the series"
+            ));
+            framed = 0;
+        }
         if with_data.max(framed) == 0 {
             return Ok(OfSeries::default());
         }
         let what =
             if with_data == 0 { "finding the size of all steps" } else { "finding the range of all steps" };
         display.progress.begin(what, with_data.max(framed) as u64);
+        let silent = Display::new(ProgressMode::Never);
         let (mut colors, mut outline) = (Survey::default(), Outline::default());
         for (number, model) in steps.iter().enumerate().take(with_data.max(framed)) {
             ending::name_model(model.name());
-            let options = LoadOptions {
-                memory_limit: self.running.memory_limit(),
-                normals: self.data.normals(Normals::File, None),
-                clip: self.clip.clipping(),
-                make: if number < with_data { self.data.made() } else { None },
-                step: model.moment.map(|moment| moment.number),
-                ..LoadOptions::default()
-            };
-            let loaded = match options.load(&model.model) {
+            let step = Self { is_measured: true, others: Vec::new(), ..self.with_model(model) };
+            let loaded = step.load(job, &silent, None::<&mut mpi::Comm>);
+            display.progress.advance(1);
+            let loaded = match loaded {
                 Ok(loaded) => loaded,
-                Err(error) if number < with_data => return Err(error.into()),
+                Err(error) if number < with_data => return Err(error),
                 Err(_) => continue,
             };
-            let up = self.camera.for_format(&loaded.report.read.format).front().up;
-            let place = self.place.transform();
-            let instance = Instance { world_from_object: place, ..Instance::new(loaded.mesh) };
+            if let Some(own) = loaded.outline.as_ref().filter(|_| number < framed) {
+                outline.add_outline(own);
+            }
             if number < with_data {
-                let survey = self.data.survey(&instance, &loaded.strokes, up);
+                let (of_model, instance) = (&loaded.models[0], &loaded.scene.instances[0]);
+                let up = self.camera.for_format(&of_model.report.read.format).front().up;
+                let survey = self.data.survey(instance, &of_model.drawable.file, up);
                 colors = colors.and(survey.with_context(|| model.name())?);
             }
-            if number < framed {
-                match &loaded.whole {
-                    Some(whole) => outline.add_extent(whole, &place),
-                    None => outline.add(&instance.bounds(), |direction| instance.farthest(direction)),
-                }
-                outline.add_extent(&Extent::of_strokes(&loaded.strokes), &place);
-            }
-            display.progress.advance(1);
         }
         let outline = (framed > 0).then(|| Arc::new(outline));
         Ok(OfSeries { colors: (with_data > 0).then_some(colors), outline })

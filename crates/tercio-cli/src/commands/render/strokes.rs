@@ -18,7 +18,7 @@ use tercio::scene::{Camera, Instance, Scene};
 use tercio::strokes::{self, EdgePart, Eye, LineShape};
 
 use super::members::OfModel;
-use super::subject::placed;
+use super::subject::{grown, placed};
 use super::{Loaded, Render};
 use crate::messages;
 
@@ -118,10 +118,13 @@ impl Render {
     /// The view of a camera, with all that is drawn between its planes.
     pub(super) fn view(&self, loaded: &Loaded, camera: &Camera) -> Result<View> {
         let (width, height) = self.drawing.size;
-        let bounds = loaded.models.iter().fold(loaded.scene.bounds(), |bounds, of_model| {
+        let widest = self.members().map(|member| member.strokes.margin_of_mesh()).fold(0.0, f64::max);
+        let surfaces = grown(loaded.scene.bounds(), widest);
+        let all = loaded.models.iter().zip(self.members());
+        let bounds = all.fold(surfaces, |bounds, (of_model, member)| {
             let Drawable { file, glyphs, .. } = &of_model.drawable;
-            let own = file.bounds();
-            let placed = of_model.places.iter().map(|place| placed(&own, place));
+            let (own, margin) = (file.bounds(), member.strokes.margin_of(file));
+            let placed = of_model.places.iter().map(|place| grown(placed(&own, place), margin));
             placed.chain(glyphs.iter().map(Glyphs::bounds)).fold(bounds, |all, other| all.union(other))
         });
         View::new(camera, &bounds, width, height).with_context(|| self.model.name())

@@ -13,28 +13,38 @@ pub(super) struct Subject<'a> {
     pieces: Vec<Piece<'a>>,
 }
 
+/// What is around a piece, in world units: the radius of its points, half the width of its lines.
+type Margin = f64;
+
 enum Piece<'a> {
-    Instance(&'a Instance),
+    Instance(&'a Instance, Margin),
     /// At a place in the world.
-    Extent(Cow<'a, Extent>, DAffine3),
+    Extent(Cow<'a, Extent>, DAffine3, Margin),
     /// Models of other pictures.
     Outline(&'a Outline),
 }
 
 impl<'a> Subject<'a> {
     /// Adds an instance.
-    pub fn add_instance(&mut self, instance: &'a Instance) {
-        self.pieces.push(Piece::Instance(instance));
+    pub fn add_instance(&mut self, instance: &'a Instance, margin: Margin) {
+        self.pieces.push(Piece::Instance(instance, margin));
     }
 
     /// Adds an extent at a place.
-    pub fn add_extent(&mut self, extent: Cow<'a, Extent>, world_from_object: DAffine3) {
-        self.pieces.push(Piece::Extent(extent, world_from_object));
+    pub fn add_extent(&mut self, extent: Cow<'a, Extent>, world_from_object: DAffine3, margin: Margin) {
+        self.pieces.push(Piece::Extent(extent, world_from_object, margin));
     }
 
     /// Adds the models of other pictures.
     pub fn add_outline(&mut self, outline: &'a Outline) {
         self.pieces.push(Piece::Outline(outline));
+    }
+
+    /// Its outline, for other pictures.
+    pub fn outline(&self) -> Outline {
+        let mut outline = Outline::default();
+        self.pieces.iter().for_each(|piece| piece.add_to(&mut outline));
+        outline
     }
 
     /// World-space bounds.
@@ -52,24 +62,50 @@ impl<'a> Subject<'a> {
 impl Piece<'_> {
     fn bounds(&self) -> Aabb {
         match self {
-            Self::Instance(instance) => instance.bounds(),
-            Self::Extent(extent, place) => placed(&extent.bounds(), place),
+            Self::Instance(instance, margin) => grown(instance.bounds(), *margin),
+            Self::Extent(extent, place, margin) => grown(placed(&extent.bounds(), place), *margin),
             Self::Outline(outline) => outline.bounds(),
         }
     }
 
     fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         match self {
-            Self::Instance(instance) => instance.reach(direction, from),
+            Self::Instance(instance, margin) => instance.reach(direction, from) + margin * direction.length(),
             Self::Outline(outline) => outline.reach(direction, from),
-            Self::Extent(extent, place) if *place == DAffine3::IDENTITY => extent.reach(direction, from),
-            Self::Extent(extent, place) => {
+            Self::Extent(extent, place, margin) if *place == DAffine3::IDENTITY => {
+                extent.reach(direction, from) + margin * direction.length()
+            }
+            Self::Extent(extent, place, margin) => {
                 // Relative to a point of the extent, so that nothing is lost far from the origin.
                 let middle = extent.bounds().center();
                 let own = extent.reach(place.matrix3.transpose() * direction, middle);
-                own + direction.dot(place.transform_point3(middle) - from)
+                own + direction.dot(place.transform_point3(middle) - from) + margin * direction.length()
             }
         }
+    }
+
+    fn add_to(&self, outline: &mut Outline) {
+        match self {
+            Self::Instance(instance, margin) => {
+                outline.add(&self.bounds(), |d| Some(instance.farthest(d)? + d * *margin));
+            }
+            Self::Extent(extent, place, margin) => {
+                let cells = extent.cells();
+                outline.add(&self.bounds(), |d| {
+                    let farthest = cells.farthest(place.matrix3.transpose() * d)?;
+                    Some(place.transform_point3(farthest) + d * *margin)
+                });
+            }
+            Self::Outline(_) => {}
+        }
+    }
+}
+
+/// A box with a margin on all sides.
+pub(super) fn grown(bounds: Aabb, margin: f64) -> Aabb {
+    match bounds.is_empty() || margin <= 0.0 {
+        true => bounds,
+        false => Aabb { min: bounds.min - margin, max: bounds.max + margin },
     }
 }
 

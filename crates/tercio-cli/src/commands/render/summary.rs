@@ -38,7 +38,7 @@ impl Render {
         if let Some(list) = report::not_drawn(&left)
             && (of_model.mesh.triangles > 0 || of_model.lines + of_model.points > 0)
         {
-            let drawn = report::drawn(&left);
+            let drawn = report::drawn(of_model, &left);
             messages::warning(&format!("{model}: not drawn: {list} ({drawn})"));
         }
         if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, of_model) {

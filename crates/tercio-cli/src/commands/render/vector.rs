@@ -82,6 +82,25 @@ impl Render {
         }
     }
 
+    /// Says, once in a run, that a drawing of contours has no areas.
+    fn warn_of_areas(format: &str) {
+        static SAID: Once = Once::new();
+        SAID.call_once(|| {
+            messages::warning(&format!(
+                "{format} holds lines: --mode contours leaves out the bands between them, and draws each line in the colour of its \
+                 value (--isoline-color gives them one, --edges=silhouette an outline; .png has the bands)"
+            ));
+        });
+    }
+
+    /// Says so if contours are drawn.
+    pub(super) fn warn_of_bands(&self, plan: &Plan) {
+        let Some((_, format)) = plan.drawing.as_ref().filter(|_| !self.running.quiet) else { return };
+        if self.members().any(|member| member.strokes.is_contours()) {
+            Self::warn_of_areas(&format.name().to_uppercase());
+        }
+    }
+
     /// Gives a dressed instance the look of contours: no light, bands of one colour, and lines between them.
     pub(super) fn dress_contours(&self, instance: &mut Instance) {
         if !self.strokes.is_contours() {
@@ -227,7 +246,7 @@ fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Str
         None => return Cow::Borrowed(file),
         Some(StrokeData::Direct(colors)) => colors.clone(),
         Some(StrokeData::Mapped { values, colors }) => {
-            values.iter().map(|&value| colors.color(f64::from(value))).collect()
+            values.iter().map(|&value| colors.color(colors.full(value))).collect()
         }
     };
     Cow::Owned(Strokes { colors: Some(colors), ..file.clone() })

@@ -1,6 +1,7 @@
 //! What points become.
 
 use super::header::{Header, Layout, f64_at, u16_at};
+use crate::doubles::store;
 use crate::{Attribute, AttributeDomain};
 
 /// Points, by what they have.
@@ -102,7 +103,7 @@ impl Columns {
 
     /// All other values.
     pub fn attributes(self) -> Vec<Attribute> {
-        let first = self.times.iter().copied().filter(|t| t.is_finite()).fold(f64::INFINITY, f64::min);
+        let (times, of_times) = store(&self.times);
         let of_u16 = |values: &[u16]| values.iter().map(|&v| f32::from(v)).collect::<Vec<f32>>();
         let of_returns = |k: usize| self.returns.iter().map(|r| f32::from(r[k])).collect();
         let all = [
@@ -111,14 +112,17 @@ impl Columns {
             ("number_of_returns", of_returns(1)),
             ("classification", self.classes.iter().map(|&c| f32::from(c)).collect()),
             ("point_source_id", of_u16(&self.sources)),
-            ("gps_time", self.times.iter().map(|t| (t - first) as f32).collect()),
+            ("gps_time", times),
             ("nir", of_u16(&self.nir)),
         ];
         let is_there = [true, true, true, true, true, self.layout.gps.is_some(), self.layout.nir.is_some()];
         let attribute = |(name, values): (&str, Vec<f32>)| {
             let (name, domain) = (name.into(), AttributeDomain::Vertex);
-            Attribute { name, domain, values }
+            Attribute { name, domain, values, offset: 0.0 }
         };
-        all.into_iter().zip(is_there).filter(|(_, is)| *is).map(|(all, _)| attribute(all)).collect()
+        let all = all.into_iter().zip(is_there).filter(|(_, is)| *is).map(|(all, _)| attribute(all));
+        let mut all: Vec<Attribute> = all.collect();
+        all.iter_mut().filter(|a| a.name == "gps_time").for_each(|a| a.offset = of_times);
+        all
     }
 }

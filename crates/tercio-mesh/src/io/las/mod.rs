@@ -2,8 +2,8 @@
 //!
 //! Points become [strokes](crate::strokes): positions with the scale and the offset of the file, in `f64`, then relative to the
 //! origin of the mesh; colours, which have 16 bits, or 8 in files in which none is above 255; and the attributes `intensity`,
-//! `return_number`, `number_of_returns`, `classification`, `point_source_id`, `gps_time` (seconds since the earliest one of the
-//! file) and `nir`, as far as the format of the points has them. Waveforms and extra bytes are left out. LAZ is decompressed by
+//! `return_number`, `number_of_returns`, `classification`, `point_source_id`, `gps_time` (with an
+//! [offset](crate::Attribute::offset)) and `nir`, as far as the format of the points has them. Waveforms and extra bytes are left out. LAZ is decompressed by
 //! the crate `laz`, chunk by chunk in parallel.
 //!
 //! Source: ASPRS, "LAS Specification 1.4 - R15" (2019).

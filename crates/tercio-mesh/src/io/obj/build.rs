@@ -276,7 +276,12 @@ fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
             let values = names.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), |number| {
                 number.map_or(0.0, |n| n as f32 + 1.0)
             });
-            mesh.attributes.push(Attribute { name: name.into(), domain: AttributeDomain::Triangle, values });
+            mesh.attributes.push(Attribute {
+                name: name.into(),
+                domain: AttributeDomain::Triangle,
+                values,
+                offset: 0.0,
+            });
         }
     }
 }

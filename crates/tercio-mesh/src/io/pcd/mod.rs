@@ -11,6 +11,7 @@ mod header;
 mod lzf;
 
 use super::{ReadModel, ReadOptions, ReadReport, input::Input, obj::transcode};
+use crate::doubles::{Doubles, stored};
 use crate::mesh::{MAX_ELEMENTS, localize_at};
 use crate::strokes::Strokes;
 use crate::{Attribute, Mesh, ReadError};
@@ -62,22 +63,28 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     drop(points);
     let mut strokes =
         Strokes { origin, positions, points: (0..count as u32).collect(), ..Strokes::default() };
+    let mut warnings = Vec::new();
     for (number, field) in header.fields.iter().enumerate() {
         if field.name == "rgb" || field.name == "rgba" {
             strokes.colors = Some(body.colors(&header, number));
         } else if !matches!(field.name.as_str(), "x" | "y" | "z" | "_") {
             for component in 0..field.count {
                 let name = Attribute::component_name(&field.name, component, field.count);
-                let values = body.column(&header, number, component).map(|v| v as f32).collect();
+                let column = || body.column(&header, number, component);
+                let doubles = column().fold(Doubles::default(), Doubles::with);
+                warnings.extend(doubles.warning(&name, field.kind != b'F'));
+                let offset = doubles.offset();
+                let values = column().map(|value| stored(value, offset)).collect();
                 let domain = crate::AttributeDomain::Vertex;
-                strokes.attributes.push(Attribute { name, domain, values });
+                strokes.attributes.push(Attribute { name, domain, values, offset });
             }
         }
         if let Some(progress) = options.progress {
             progress.advance(1);
         }
     }
-    let mut report = ReadReport { format: format!("PCD, {}", header.data.name()), ..ReadReport::default() };
+    let format = format!("PCD, {}", header.data.name());
+    let mut report = ReadReport { format, warnings, ..ReadReport::default() };
     report.not_drawn.points = count;
     let mesh = Mesh { origin, ..Mesh::default() };
     Ok(ReadModel { mesh, strokes, coordinates, report })

@@ -12,6 +12,7 @@ use super::header::Header;
 use super::plan::{Plan, Role};
 use super::table::{Column, Table};
 use super::wedges;
+use crate::doubles::{Doubles, stored};
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, localize_at, localize_single_at};
@@ -136,11 +137,30 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<Aab
             Column::Texcoords(texcoords) => mesh.texcoords = Some(texcoords),
             Column::Attribute(values) => {
                 let name = field.name.clone();
-                mesh.attributes.push(Attribute { name, domain: AttributeDomain::Vertex, values });
+                mesh.attributes.push(Attribute {
+                    name,
+                    domain: AttributeDomain::Vertex,
+                    values,
+                    offset: 0.0,
+                });
+            }
+            Column::Attribute64(values) => {
+                let (values, offset) = narrow(job, &field.name, values)?;
+                let name = field.name.clone();
+                mesh.attributes.push(Attribute { name, domain: AttributeDomain::Vertex, values, offset });
             }
         }
     }
     Ok(coordinates)
+}
+
+/// Values as `f32`, and their offset.
+fn narrow(job: &Job, name: &str, values: Vec<f64>) -> Result<(Vec<f32>, f64), ReadError> {
+    job.reserve("values", 4 * values.len() as u64)?;
+    let doubles = Doubles::of(&values);
+    doubles.warning(name, false).into_iter().for_each(|warning| job.warn(warning));
+    let offset = doubles.offset();
+    Ok((values.par_iter().with_min_len(1 << 12).map(|&value| stored(value, offset)).collect(), offset))
 }
 
 fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
@@ -196,17 +216,19 @@ fn face_columns(
     if triangles.face_of_triangle.is_some() {
         job.reserve("values of faces", 4 * columns.len() as u64 * triangles.list.len() as u64)?;
     }
+    let attributes = &mut mesh.attributes;
+    let mut add = |name: &str, (values, offset): (Vec<f32>, f64)| {
+        let (name, values) = (name.to_owned(), spread(values, triangles));
+        attributes.push(Attribute { name, domain: AttributeDomain::Triangle, values, offset });
+    };
     for (field, column) in plan.fields.iter().zip(columns) {
         match column {
             Column::Colors(colors, broken) => {
                 warn_of_colors(job, broken, "faces");
                 mesh.face_colors = Some(spread(colors, triangles));
             }
-            Column::Attribute(values) => mesh.attributes.push(Attribute {
-                name: field.name.clone(),
-                domain: AttributeDomain::Triangle,
-                values: spread(values, triangles),
-            }),
+            Column::Attribute(values) => add(&field.name, (values, 0.0)),
+            Column::Attribute64(values) => add(&field.name, narrow(job, &field.name, values)?),
             _ => {}
         }
     }

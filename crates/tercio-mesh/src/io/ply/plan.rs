@@ -28,6 +28,8 @@ pub(super) enum Kind {
     Colors,
     Texcoords,
     Attribute,
+    /// Values of which `f32` may not hold all.
+    Attribute64,
 }
 
 impl Kind {
@@ -37,7 +39,7 @@ impl Kind {
             Self::Points32 => 12,
             Self::Points64 => 24,
             Self::Normals | Self::Colors | Self::Attribute => 4,
-            Self::Texcoords => 8,
+            Self::Texcoords | Self::Attribute64 => 8,
         }
     }
 }
@@ -215,12 +217,7 @@ fn vertex_fields(file: &str, element: &Element) -> Result<Vec<Field>, ReadError>
         let place = Place::Line(element.line);
         return Err(malformed(file, place, "the properties x, y and z in element vertex", "not all of them"));
     };
-    let wide = |&i: &usize| {
-        matches!(
-            element.properties.get(i).map(|p| p.shape),
-            Some(Shape::One(Scalar::F64 | Scalar::I32 | Scalar::U32))
-        )
-    };
+    let wide = |&i: &usize| matches!(element.properties.get(i).map(|p| p.shape), Some(Shape::One(scalar)) if is_wide(scalar));
     let kind = if points.properties.iter().any(wide) { Kind::Points64 } else { Kind::Points32 };
     fields.push(Field { kind, ..points });
     fields.extend(field(element, Kind::Normals, &["nx", "ny", "nz"], 3));
@@ -228,6 +225,11 @@ fn vertex_fields(file: &str, element: &Element) -> Result<Vec<Field>, ReadError>
     fields.extend(TEXCOORDS.iter().find_map(|names| field(element, Kind::Texcoords, names, 2)));
     add_attributes(element, &mut fields);
     Ok(fields)
+}
+
+/// Does `f32` not hold all numbers of a type?
+fn is_wide(scalar: Scalar) -> bool {
+    matches!(scalar, Scalar::F64 | Scalar::I32 | Scalar::U32)
 }
 
 /// Both vertex numbers of an edge, as a field of two numbers.
@@ -269,9 +271,10 @@ fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
         }
     }
     for ((i, property), used) in element.properties.iter().enumerate().zip(used) {
-        if matches!(property.shape, Shape::One(_)) && !used {
-            let name = property.name.clone();
-            fields.push(Field { kind: Kind::Attribute, name, properties: vec![i], scale: 1.0 });
+        let Shape::One(scalar) = property.shape else { continue };
+        if !used {
+            let kind = if is_wide(scalar) { Kind::Attribute64 } else { Kind::Attribute };
+            fields.push(Field { kind, name: property.name.clone(), properties: vec![i], scale: 1.0 });
         }
     }
 }

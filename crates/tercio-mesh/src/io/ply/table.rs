@@ -15,6 +15,7 @@ pub(super) enum Column {
     Colors(Vec<[u8; 4]>, AtomicU64),
     Texcoords(Vec<[f32; 2]>),
     Attribute(Vec<f32>),
+    Attribute64(Vec<f64>),
 }
 
 /// A part of a [`Column`] to be filled.
@@ -26,6 +27,7 @@ pub(super) enum Slots<'a> {
     Colors(&'a mut [[u8; 4]], &'a AtomicU64),
     Texcoords(&'a mut [[f32; 2]]),
     Attribute(&'a mut [f32]),
+    Attribute64(&'a mut [f64]),
 }
 
 impl Column {
@@ -37,6 +39,7 @@ impl Column {
             Kind::Colors => Self::Colors(vec![[0; 4]; rows], AtomicU64::new(0)),
             Kind::Texcoords => Self::Texcoords(vec![[0.0; 2]; rows]),
             Kind::Attribute => Self::Attribute(vec![0.0; rows]),
+            Kind::Attribute64 => Self::Attribute64(vec![0.0; rows]),
         }
     }
 
@@ -48,6 +51,7 @@ impl Column {
             Self::Colors(v, broken) => Slots::Colors(v, broken),
             Self::Texcoords(v) => Slots::Texcoords(v),
             Self::Attribute(v) => Slots::Attribute(v),
+            Self::Attribute64(v) => Slots::Attribute64(v),
         }
     }
 }
@@ -70,6 +74,7 @@ impl<'a> Slots<'a> {
             Self::Colors(s, broken) => Slots::Colors(front(s, rows), broken),
             Self::Texcoords(s) => Slots::Texcoords(front(s, rows)),
             Self::Attribute(s) => Slots::Attribute(front(s, rows)),
+            Self::Attribute64(s) => Slots::Attribute64(front(s, rows)),
         }
     }
 
@@ -107,6 +112,7 @@ impl<'a> Slots<'a> {
                 [u as f32, v as f32]
             }),
             Self::Attribute(s) => each(s, first, rows, |i| values(i)[0] as f32),
+            Self::Attribute64(s) => each(s, first, rows, |i| values(i)[0]),
         }
     }
 }

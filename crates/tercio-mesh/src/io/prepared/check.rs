@@ -18,6 +18,12 @@ pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
         let found = format!("the origin {} and the exponent {}", mesh.origin, mesh.exponent);
         return wrong(Kind::Description, "a finite origin and a usable unit".into(), found);
     }
+    let offsets = &mesh.layout.offsets;
+    let are_all = offsets.is_empty() || offsets.len() == mesh.layout.attributes.len();
+    if !are_all || !offsets.iter().all(|offset| offset.is_finite()) {
+        let found = format!("{offsets:?}");
+        return wrong(Kind::Description, "a finite offset for each attribute".into(), found);
+    }
     let count = mesh.clusters.len();
     if mesh.starts.len() != count + 1 {
         return wrong(Kind::Starts, format!("{} numbers", count + 1), mesh.starts.len().to_string());

@@ -11,7 +11,7 @@ pub const MAGIC: [u8; 12] = *b"\x89TERCIO\r\n\x1a\n\0";
 
 /// Version of the layout of the file and of the clusters in it. A reader accepts only its own version: making a file
 /// again takes about as long as converting it.
-pub const VERSION: u32 = 5;
+pub const VERSION: u32 = 6;
 
 /// Parts begin at multiples of this: as a mapping begins at a page boundary, lines are aligned in it.
 pub const ALIGNMENT: u64 = Line::BYTES as u64;

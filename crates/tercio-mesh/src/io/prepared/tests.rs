@@ -49,11 +49,13 @@ fn mesh() -> Mesh {
             name: "quality".into(),
             domain: AttributeDomain::Vertex,
             values: (0..v).map(|i| i as f32).collect(),
+            offset: 0.0,
         },
         Attribute {
             name: "part".into(),
             domain: AttributeDomain::Triangle,
             values: (0..t).map(|i| -(i as f32)).collect(),
+            offset: 1e9,
         },
     ];
     mesh

@@ -57,7 +57,7 @@ pub fn needed_bytes(parts: &[Part]) -> u64 {
 ///
 /// # Errors
 /// Too many elements.
-pub fn join(file: &str, parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadModel, ReadError> {
+pub fn join(file: &str, mut parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadModel, ReadError> {
     let sums = |count: fn(&Part) -> u64| parts.iter().map(count).fold(0, u64::saturating_add);
     for (what, count) in [
         ("vertices", sums(|p| p.vertices() as u64)),
@@ -70,6 +70,7 @@ pub fn join(file: &str, parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadM
         }
     }
     let cell_count = sums(|p| p.cell_count);
+    agree(&mut parts);
     let mut parts = parts.into_iter();
     let Some(mut whole) = parts.next() else { return Err(nothing(file)) };
     let rest: Vec<Part> = parts.collect();
@@ -127,6 +128,25 @@ pub fn join(file: &str, parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadM
         ..Mesh::default()
     };
     Ok(ReadModel { mesh, strokes, coordinates: bounds, report })
+}
+
+/// Gives the values of all parts that will be one attribute one offset.
+fn agree(parts: &mut [Part]) {
+    let mut of_cells: HashMap<(AttributeDomain, String), Vec<&mut Attribute>> = HashMap::new();
+    let mut of_ends: HashMap<String, Vec<&mut Attribute>> = HashMap::new();
+    let has_any = |p: &Part| p.attributes.iter().chain(&p.strokes.attributes).any(|a| a.offset != 0.0);
+    if parts.len() < 2 || !parts.iter().any(has_any) {
+        return;
+    }
+    for part in parts {
+        for a in &mut part.attributes {
+            of_cells.entry((a.domain, a.name.clone())).or_default().push(a);
+        }
+        for a in &mut part.strokes.attributes {
+            of_ends.entry(a.name.clone()).or_default().push(a);
+        }
+    }
+    of_cells.into_values().chain(of_ends.into_values()).for_each(|mut all| Attribute::agree(&mut all));
 }
 
 fn nothing(file: &str) -> ReadError {

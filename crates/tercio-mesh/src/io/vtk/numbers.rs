@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use crate::loops::prelude::*;
 
+use crate::doubles::{Doubles, stored};
 use crate::error::Place;
 use crate::io::input::Input;
 use crate::io::text::Cursor;
@@ -25,9 +26,6 @@ pub enum Scalar {
 
 /// Numbers that a task converts at a time.
 const CHUNK: usize = 1 << 15;
-
-/// The largest whole number below which `f32` has all of them.
-const LARGEST_EXACT: f64 = (1u32 << 24) as f64;
 
 /// A type of numbers.
 trait Number: Copy + Sized {
@@ -221,19 +219,23 @@ impl Numbers<'_> {
         typed!(self.scalar, T => convert::<T>(self, limit))
     }
 
-    /// One component of tuples of `of`, as `f32`: of all tuples, or of those with these numbers.
-    pub fn component(&self, component: usize, of: usize, tuples: Option<&[u32]>) -> Vec<f32> {
+    /// One component of tuples of `of`, as `f32` and less an offset: of all tuples, or of those with these numbers.
+    pub fn component(&self, component: usize, of: usize, tuples: Option<&[u32]>, offset: f64) -> Vec<f32> {
         fn convert<T: Number>(
             numbers: &Numbers,
             component: usize,
             of: usize,
             tuples: Option<&[u32]>,
+            offset: f64,
         ) -> Vec<f32> {
             let size = numbers.scalar.bytes();
             let (stride, first) = (of * size, component * size);
             let count = numbers.len() / of.max(1);
             let mut values = vec![0f32; tuples.map_or(count, <[u32]>::len)];
-            let read = |bytes: Option<&[u8]>| T::read(bytes.unwrap_or_default(), numbers.big_endian).single();
+            let read = |bytes: Option<&[u8]>| {
+                let number = T::read(bytes.unwrap_or_default(), numbers.big_endian);
+                if offset == 0.0 { number.single() } else { stored(number.double(), offset) }
+            };
             match tuples {
                 None => values.par_chunks_mut(CHUNK).zip(numbers.bytes.par_chunks(CHUNK * stride)).for_each(
                     |(values, bytes)| {
@@ -256,7 +258,7 @@ impl Numbers<'_> {
             }
             values
         }
-        typed!(self.scalar, T => convert::<T>(self, component, of, tuples))
+        typed!(self.scalar, T => convert::<T>(self, component, of, tuples, offset))
     }
 
     /// Tuples of `of` numbers, of which `N` are taken and missing ones are 0: all, or those with these numbers.
@@ -301,17 +303,22 @@ impl Numbers<'_> {
         typed!(self.scalar, T => convert::<T>(self))
     }
 
-    /// Does `f32` round one of the numbers, which are whole?
-    pub fn has_large_integers(&self) -> bool {
-        if self.scalar.is_real() || self.scalar.bytes() < 4 {
-            return false;
+    /// What decides about the offset of one component of tuples of `of`; nothing of types all of whose numbers `f32` holds.
+    pub fn doubles(&self, component: usize, of: usize) -> Doubles {
+        fn fold<T: Number>(numbers: &Numbers, component: usize, of: usize) -> Doubles {
+            let size = numbers.scalar.bytes();
+            let chunk = |bytes: &[u8]| {
+                let tuples = bytes.chunks_exact(of * size).filter_map(|tuple| tuple.get(component * size..));
+                let number = |bytes: &[u8]| T::read(bytes, numbers.big_endian).double();
+                tuples.fold(Doubles::default(), |all, tuple| all.with(number(tuple)))
+            };
+            let chunks = numbers.bytes.par_chunks(CHUNK * of * size);
+            chunks.map(chunk).reduce(Doubles::default, Doubles::and)
         }
-        self.bytes.par_chunks(CHUNK * self.scalar.bytes()).any(|bytes| {
-            self.consumed(bytes.len());
-            typed!(self.scalar, T => bytes
-                .chunks_exact(self.scalar.bytes())
-                .any(|b| T::read(b, self.big_endian).double().abs() > LARGEST_EXACT))
-        })
+        if matches!(self.scalar, Scalar::F32) || self.scalar.bytes() < 4 || of == 0 {
+            return Doubles::default();
+        }
+        typed!(self.scalar, T => fold::<T>(self, component, of))
     }
 }
 
@@ -341,15 +348,16 @@ mod tests {
                 assert_eq!(indices, values.iter().map(|&v| v as u32).collect::<Vec<_>>());
                 assert_eq!(numbers.indices(90), Err(10));
                 assert_eq!(numbers.place(10), Place::Byte(100 + 10 * scalar.bytes() as u64));
-                assert_eq!(numbers.component(1, 3, None), [9.0, 36.0, 63.0, 90.0]);
-                assert_eq!(numbers.component(2, 4, Some(&[2, 0])), [90.0, 18.0]);
+                assert_eq!(numbers.component(1, 3, None, 0.0), [9.0, 36.0, 63.0, 90.0]);
+                assert_eq!(numbers.component(2, 4, Some(&[2, 0]), 10.0), [80.0, 8.0]);
                 assert_eq!(numbers.points32()[1], [27.0, 36.0, 45.0]);
                 let pairs = numbers.tuples(4, Some(&[1]), |[a, b]: [f64; 2]| [a, b]);
                 assert_eq!(pairs, [[36.0, 45.0]]);
-                assert!(!numbers.has_large_integers());
+                assert_eq!(numbers.doubles(0, 1).offset(), 0.0);
             }
         }
-        assert!(of(I64, &[3e9, 1.0], false).has_large_integers());
+        assert!(of(I64, &[3e9 + 1.0, 1.0], false).doubles(0, 1).warning("id", true).is_some());
+        assert_eq!(of(I64, &[1.0, 3e9 + 1.0, 2.0, 3e9 + 2.0], true).doubles(1, 2).offset(), 3e9 + 1.0);
         assert_eq!(of(I64, &[3e9, -1.0], false).indices(u64::MAX), Err(1));
         assert_eq!(of(F64, &[1.5], false).indices(9), Err(0));
     }

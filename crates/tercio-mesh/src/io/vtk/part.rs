@@ -137,7 +137,7 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     }
     if !surface.polygons.is_empty() {
         let (name, domain) = (Attribute::POLYGON.into(), AttributeDomain::Triangle);
-        part.attributes.push(Attribute { name, domain, values: surface.polygons });
+        part.attributes.push(Attribute { name, domain, values: surface.polygons, offset: 0.0 });
     }
     Ok(part)
 }
@@ -226,14 +226,16 @@ fn attributes(
         job.warn(format!("values of {:?} at cells are left out: the name is reserved", array.name));
         return;
     }
-    if array.numbers.has_large_integers() {
-        job.warn(format!("whole numbers above 16777216 of {:?} are rounded to 24 bits", array.name));
-    }
+    let mut warning = None;
     for component in 0..array.components {
-        let values = array.numbers.component(component, array.components, elements);
+        let doubles = array.numbers.doubles(component, array.components);
+        warning = warning.or_else(|| doubles.warning(&array.name, !array.numbers.scalar.is_real()));
+        let offset = doubles.offset();
+        let values = array.numbers.component(component, array.components, elements, offset);
         let name = Attribute::component_name(&array.name, component, array.components);
-        to.push(Attribute { name, domain, values });
+        to.push(Attribute { name, domain, values, offset });
     }
+    warning.into_iter().for_each(|warning| job.warn(warning));
 }
 
 /// Lines and points with the data of their points and cells.

@@ -1,17 +1,28 @@
 //! From columns to colours and attributes.
 
 use super::front::{Column, Front};
+use crate::doubles::{Doubles, stored};
 use crate::{Attribute, AttributeDomain};
 
 /// The colours and the attributes of a table's columns.
-pub fn meaning(front: &Front, columns: Vec<Vec<f32>>) -> (Option<Vec<[u8; 4]>>, Vec<Attribute>) {
+pub fn meaning(
+    front: &Front,
+    columns: Vec<Vec<f64>>,
+    warnings: &mut Vec<String>,
+) -> (Option<Vec<[u8; 4]>>, Vec<Attribute>) {
     let kinds = front.columns.iter().filter(|c| matches!(c, Column::Color(_) | Column::Value(_)));
     let mut colors: [Option<Vec<f32>>; 4] = Default::default();
     let mut rest = Vec::new();
+    let mut all = Vec::new();
     for (kind, values) in kinds.zip(columns) {
+        let single = |offset: f64| values.iter().map(|&value| stored(value, offset)).collect();
         match kind {
-            Column::Color(k) => colors[*k] = Some(values),
-            Column::Value(name) => rest.push((name.clone(), values)),
+            Column::Color(k) => colors[*k] = Some(single(0.0)),
+            Column::Value(name) => {
+                let doubles = Doubles::of(&values);
+                all.push(doubles);
+                rest.push((name.clone(), single(doubles.offset())));
+            }
             Column::Axis(_) | Column::LeftOut(_) => {}
         }
     }
@@ -31,6 +42,7 @@ pub fn meaning(front: &Front, columns: Vec<Vec<f32>>) -> (Option<Vec<[u8; 4]>>, 
         let is_small: fn(&f32) -> bool = |v| *v <= 1.0;
         let are_colors = |first: usize| are(first, is_byte, &rest) && !are(first, is_small, &rest);
         if let Some(first) = first.filter(|&first| are_colors(first)) {
+            all.drain(first..first + 3);
             for (k, (_, values)) in rest.drain(first..first + 3).enumerate() {
                 colors[k] = Some(values);
             }
@@ -49,8 +61,15 @@ pub fn meaning(front: &Front, columns: Vec<Vec<f32>>) -> (Option<Vec<[u8; 4]>>, 
             };
         }
     }
-    let attribute = |(name, values)| Attribute { name, domain: AttributeDomain::Vertex, values };
-    (bytes(colors), rest.into_iter().map(attribute).collect())
+    let domain = AttributeDomain::Vertex;
+    warnings.extend(rest.iter().zip(&all).filter_map(|((name, _), doubles)| doubles.warning(name, false)));
+    let attribute = |((name, values), doubles): (_, Doubles)| Attribute {
+        name,
+        domain,
+        values,
+        offset: doubles.offset(),
+    };
+    (bytes(colors), rest.into_iter().zip(all).map(attribute).collect())
 }
 
 /// Colours of components from 0 to 255; or to 1, if none is greater and some are not whole; or of 16 bits, if some are greater.

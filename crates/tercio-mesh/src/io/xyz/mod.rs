@@ -76,7 +76,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         report.warnings.push(format!("left out columns that are not numbers: {}", left_out.join(", ")));
     }
     let (coordinates, origin, positions) = localize_at(&table.points, options.origin);
-    let (colors, attributes) = columns::meaning(&front, table.columns);
+    let (colors, attributes) = columns::meaning(&front, table.columns, &mut report.warnings);
     let points = (0..count as u32).collect();
     let strokes = Strokes { origin, positions, colors, attributes, points, ..Strokes::default() };
     report.format = format!("text point cloud, {}", front.delimiter.name());

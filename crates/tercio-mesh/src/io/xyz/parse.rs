@@ -17,7 +17,7 @@ const PIECE: usize = 4 << 20;
 pub struct Table {
     pub points: Vec<[f64; 3]>,
     /// Of every column that is neither a coordinate nor left out.
-    pub columns: Vec<Vec<f32>>,
+    pub columns: Vec<Vec<f64>>,
 }
 
 /// Parses the lines behind the front.
@@ -26,7 +26,7 @@ pub fn all(input: &Input, options: &ReadOptions, text: &[u8], front: &Front) -> 
     let values = front.columns.iter().filter(|c| is_value(c)).count();
     // A number and its delimiter have two bytes at least.
     let most = (body.len() / (2 * front.columns.len())) as u64 + 1;
-    let bytes_of_a_point = (24 + 4 * values + 16) as u64;
+    let bytes_of_a_point = (24 + 8 * values + 16) as u64;
     // What the pieces become is copied into one table while they are still there.
     let estimate = estimate(body).min(most);
     let needed = input.held_bytes().saturating_add(estimate.saturating_mul(2 * bytes_of_a_point));
@@ -111,7 +111,7 @@ fn some(bytes: &[u8], front: &Front, values: usize) -> Result<Table, Wrong> {
                 Column::Color(_) | Column::Value(_) => {
                     let Some(number) = number(field) else { return Err(wrong(expected(), field)) };
                     if let Some(to) = table.columns.get_mut(value) {
-                        to.push(number as f32);
+                        to.push(number);
                     }
                     value += 1;
                 }

@@ -20,7 +20,7 @@ fn sphere() -> Scene {
             _ => (AttributeDomain::Vertex, mesh.positions.len()),
         };
         let values = (0..count).map(|i| (i % 5) as f32).collect();
-        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values });
+        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values, offset: 0.0 });
     }
     Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())))
 }
