@@ -78,8 +78,10 @@ pub struct LaidOut {
     pub grid_step: Option<f64>,
 }
 
-/// No margin leaves less of the picture's width or height than this.
-const LEAST_ROOM: f64 = 0.4;
+/// Margins take at most this share of the picture's width or height.
+const MOST_TAKEN: f64 = 0.6;
+/// Pictures with a shorter side of fewer pixels have no corners in which there is room beside the model.
+const SMALL: f64 = 100.0;
 
 /// What a scalar bar is called in [`Placed`]: `bar`, `bar 2` and so on.
 fn bar_name(number: usize) -> String {
@@ -98,8 +100,8 @@ impl Annotation {
         self.bounds || self.grid
     }
 
-    /// Lays everything out in a picture of this size. `bounds` is the box of the model in world coordinates, `up` the number of the
-    /// axis that points upwards.
+    /// Lays everything out in a picture of this size. `bounds` is the box of the model in world coordinates, `up` the
+    /// direction of the axis that points upwards.
     ///
     /// # Errors
     /// [`CameraError`].
@@ -108,7 +110,7 @@ impl Annotation {
         camera: &Camera,
         (width, height): (u32, u32),
         bounds: [DVec3; 2],
-        up: usize,
+        up: DVec3,
     ) -> Result<LaidOut, CameraError> {
         let mut layout = self.fixed(width, height);
         let projector = Projector::new(camera, layout.size)?;
@@ -131,23 +133,41 @@ impl Annotation {
         Ok(LaidOut { onto: overlay, placed, left_out, ..laid_out })
     }
 
-    /// What does not depend on the camera.
+    /// What does not depend on the camera. Where the model would have too little room, the last of it is left out.
     fn fixed(&self, width: u32, height: u32) -> Layout {
-        let mut layout = Layout::new(width, height, self.text_scale, self.color);
-        for caption in &self.captions {
-            caption.add(&mut layout);
+        let count = self.captions.len() + self.bars.len();
+        let mut left_out = vec![false; count];
+        loop {
+            let mut layout = Layout::new(width, height, self.text_scale, self.color);
+            for (number, caption) in self.captions.iter().enumerate() {
+                if left_out[number] { layout.leave_out(&caption.what()) } else { caption.add(&mut layout) }
+            }
+            for (number, bar) in self.bars.iter().enumerate() {
+                let name = bar_name(number);
+                if left_out[self.captions.len() + number] {
+                    layout.leave_out(&name);
+                } else {
+                    bar.add(&mut layout, &name);
+                }
+            }
+            let [left, top, right, bottom] = self.taken(&layout);
+            let is_too_much =
+                left + right > layout.size[0] * MOST_TAKEN || top + bottom > layout.size[1] * MOST_TAKEN;
+            // One thing is there even if it takes more.
+            let is_alone = left_out.iter().filter(|is_left_out| !*is_left_out).count() < 2;
+            let last = left_out.iter().rposition(|is_left_out| !is_left_out);
+            match last.filter(|_| is_too_much && !is_alone) {
+                Some(last) => left_out[last] = true,
+                None => return layout,
+            }
         }
-        for (number, bar) in self.bars.iter().enumerate() {
-            bar.add(&mut layout, &bar_name(number));
-        }
-        layout
     }
 
-    /// The margins, left, upper, right and lower, that text at the upper and lower border, a bar at any border and the numbers of
-    /// the box take from the model, in pixels.
-    pub fn margins(&self, width: u32, height: u32) -> [f64; 4] {
-        let layout = self.fixed(width, height);
+    /// The margins that text at the upper and lower border and bars at any border take.
+    fn taken(&self, layout: &Layout) -> [f64; 4] {
         let [w, h] = layout.size;
+        // There is room in the corners of all but small pictures.
+        let has_corners = w.min(h) >= SMALL;
         let mut margins = [0.0f64; 4];
         let bar_of = |what: &str| {
             let numbered = self.bars.iter().enumerate();
@@ -162,14 +182,14 @@ impl Annotation {
                 Some(bar) => bar.place,
                 None => {
                     let own = self.captions.iter().find(|caption| caption.what() == *what);
-                    // Only what is in the middle of a border: there is room in corners.
                     match own.map(|caption| caption.place) {
-                        Some(place) if place.x == 0.5 => place,
+                        Some(place) if place.x == 0.5 || !has_corners => place,
                         _ => continue,
                     }
                 }
             };
-            let is_upright = bar.is_some_and(|bar| bar.is_upright);
+            // One that lies across its border takes its room there, too.
+            let is_upright = bar.is_some_and(|bar| bar.is_upright != bar.is_across());
             if is_upright && place.x == 1.0 {
                 margins[2] = margins[2].max(w - left);
             } else if is_upright && place.x == 0.0 {
@@ -180,14 +200,22 @@ impl Annotation {
                 margins[3] = margins[3].max(h - top);
             }
         }
-        if self.bounds {
-            let em = layout.em;
-            margins = [margins[0] + 4.5 * em, margins[1] + em, margins[2] + 2.0 * em, margins[3] + 2.8 * em];
-        }
-        for (a, b, size) in [(0, 2, w), (1, 3, h)] {
-            let sum = margins[a] + margins[b];
-            let factor = if sum > 0.0 { (size * (1.0 - LEAST_ROOM) / sum).min(1.0) } else { 1.0 };
-            (margins[a], margins[b]) = ((margins[a] * factor).round(), (margins[b] * factor).round());
+        margins
+    }
+
+    /// The margins, left, upper, right and lower, that text at the upper and lower border, a bar at any border and the numbers of
+    /// the box take from the model, in pixels.
+    pub fn margins(&self, width: u32, height: u32) -> [f64; 4] {
+        let layout = self.fixed(width, height);
+        let mut margins = self.taken(&layout);
+        let em = layout.em;
+        let of_box = if self.bounds { [4.5 * em, em, 2.0 * em, 2.8 * em] } else { [0.0; 4] };
+        for (a, b, size) in [(0, 2, layout.size[0]), (1, 3, layout.size[1])] {
+            let sum = of_box[a] + of_box[b];
+            let left = (size * MOST_TAKEN - margins[a] - margins[b]).max(0.0);
+            let factor = if sum > left { left / sum } else { 1.0 };
+            margins[a] = (margins[a] + of_box[a] * factor).round();
+            margins[b] = (margins[b] + of_box[b] * factor).round();
         }
         margins
     }

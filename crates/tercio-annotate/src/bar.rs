@@ -30,6 +30,20 @@ pub struct ScalarBar {
     pub is_upright: bool,
     /// Whether the colour of what is no number is shown.
     pub shows_nan: bool,
+    /// Where it is marked.
+    pub marks: Marks,
+}
+
+/// Where a scalar bar is marked with numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Marks {
+    /// At the borders of bands, or at round numbers.
+    #[default]
+    Usual,
+    /// At so many places, spread evenly from one end to the other.
+    Count(usize),
+    /// At these values.
+    At(Vec<f64>),
 }
 
 /// What is written beside the colour of what is no number.
@@ -55,21 +69,31 @@ struct Parts {
 impl ScalarBar {
     /// Adds it to a picture, where it is called `name`.
     pub fn add(&self, layout: &mut Layout, name: &str) {
-        let placed =
-            if self.colors.categories.is_empty() { self.add_scale(layout) } else { self.add_list(layout) };
+        let placed = if self.colors.categories.is_empty() {
+            self.add_scale(layout, name)
+        } else {
+            self.add_list(layout, name)
+        };
         match placed {
             Some(rect) => layout.keep(name, rect),
             None => layout.leave_out(name),
         }
     }
 
-    fn add_scale(&self, layout: &mut Layout) -> Option<Rect> {
+    /// Whether it lies across the border at which it is: upright above or below the model, level beside it.
+    pub(crate) fn is_across(&self) -> bool {
+        let (at_side, at_end) = (is_border(self.place.x), is_border(self.place.y));
+        if self.is_upright { at_end && !at_side } else { at_side && !at_end }
+    }
+
+    fn add_scale(&self, layout: &mut Layout, name: &str) -> Option<Rect> {
         let [left, top, right, bottom] = layout.area();
         // Smaller text first, then without the colour of no data, then without a title.
         for (has_nan, has_title) in [(self.shows_nan, true), (false, true), (false, false)] {
             for shrink in [1.0, 0.85, SHRINK] {
                 // Shorter where something else is in the way.
-                for share in [0.7, 0.55, 0.4, 0.95] {
+                let shares = if self.is_across() { [0.35, 0.3, 0.25, 0.2] } else { [0.7, 0.55, 0.4, 0.95] };
+                for share in shares {
                     let room = [(right - left) * 0.66, (bottom - top) * 0.66];
                     let room = if self.is_upright {
                         [room[0], (bottom - top) * share]
@@ -80,6 +104,12 @@ impl ScalarBar {
                     let found = parts.and_then(|parts| Some((self.find(layout, parts.size)?, parts)));
                     if let Some((rect, parts)) = found {
                         self.draw(layout, &parts, rect);
+                        let missing =
+                            parts.title.as_ref().and_then(|t| t.missing(&format!("the title of {name}")));
+                        missing
+                            .into_iter()
+                            .chain(self.unmarked(&parts, name))
+                            .for_each(|what| layout.leave_out(&what));
                         return Some(rect);
                     }
                 }
@@ -116,7 +146,8 @@ impl ScalarBar {
             if length < em * 2.4 {
                 return None;
             }
-            let ticks = self.ticks((length / (em * 2.8)).floor() as usize + 1);
+            let places = |distance: f64| (length / (em * distance)).floor() as usize + 1;
+            let ticks = self.ticks(places(2.8), places(CLOSE));
             let mut labels = widest(&ticks, em);
             if has_nan {
                 labels = labels.max(Line::new(NO_DATA).width * em);
@@ -150,7 +181,7 @@ impl ScalarBar {
         // As many labels as there is room for.
         let mut most = (length / (em * 3.0)).floor() as usize + 1;
         let ticks = loop {
-            let ticks = self.ticks(most);
+            let ticks = self.ticks(most, most);
             if self.have_room(&ticks, length, em) {
                 break ticks;
             }
@@ -314,10 +345,17 @@ impl ScalarBar {
     }
 }
 
+/// The distance of labels beside an upright bar where they may stand close, in ems.
+const CLOSE: f64 = 1.4;
 /// From the colours of an upright bar to its labels, in ems.
 const TICK: f64 = 0.55;
 /// Beside the colours and the labels, with a rest for rounding.
 const BESIDE: f64 = TICK + 0.1;
+
+/// Whether a share of a picture's room is at one of its borders.
+fn is_border(share: f64) -> bool {
+    share == 0.0 || share == 1.0
+}
 
 fn labelled(ticks: &[Tick]) -> impl Iterator<Item = &Tick> {
     ticks.iter().filter(|tick| !tick.label.is_empty())

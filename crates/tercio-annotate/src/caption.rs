@@ -36,6 +36,9 @@ impl Caption {
             Some(rect) => {
                 layout.draw_text(&block, [rect[0], rect[1]], self.place.x, layout.color);
                 layout.keep(&what, rect);
+                if let Some(missing) = block.missing(&what) {
+                    layout.leave_out(&missing);
+                }
             }
             None => layout.leave_out(&what),
         }

@@ -28,16 +28,19 @@ pub fn add(
     behind: &mut Overlay,
     projector: &Projector,
     [min, max]: [DVec3; 2],
-    up: usize,
+    up: DVec3,
     is_in_box: bool,
 ) -> Option<f64> {
-    let [a, b] = [(up + 1) % 3, (up + 2) % 3];
+    let axis = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs())).unwrap_or(1);
+    let is_turned = up[axis] < 0.0;
+    let lower = if is_turned { max[axis] } else { min[axis] };
+    let [a, b] = [(axis + 1) % 3, (axis + 2) % 3];
     let size = (max - min)[a].max((max - min)[b]);
     let Some(step) = step(size) else {
         layout.leave_out("grid");
         return None;
     };
-    let from_below = projector.sees(up, min[up], false);
+    let from_below = projector.sees(axis, lower, is_turned);
     // Whole cells, and one more on each side.
     let whole = |k: usize| [(min[k] / step).floor() - 1.0, (max[k] / step).ceil() + 1.0];
     let inside = |k: usize| [(min[k] / step).ceil(), (max[k] / step).floor()];
@@ -47,12 +50,13 @@ pub fn add(
     color[3] *= 0.35;
     let overlay = if from_below { &mut layout.overlay } else { behind };
     for (k, other) in [(0, 1), (1, 0)] {
-        let (axis, along) = ([a, b][k], [a, b][other]);
+        let (across, along) = ([a, b][k], [a, b][other]);
         let count = (lines[k][1] - lines[k][0]).max(0.0) as usize;
         for number in 0..=count.min(64) {
             let [mut p, mut q] = [min; 2];
-            p[axis] = (lines[k][0] + number as f64) * step;
-            q[axis] = p[axis];
+            (p[axis], q[axis]) = (lower, lower);
+            p[across] = (lines[k][0] + number as f64) * step;
+            q[across] = p[across];
             (p[along], q[along]) = (ends[other][0], ends[other][1]);
             if let Some([p, q]) = projector.line(p, q) {
                 overlay.fill(Outline::stroke(p, q, width), Paint::Solid(color));

@@ -82,6 +82,8 @@ const TEXT: f64 = 1.0 / 46.0;
 const SMALLEST: f64 = 11.0;
 /// But never more than this share of the shorter side.
 const LARGEST: f64 = 1.0 / 7.0;
+/// Letters of fewer pixels an em are hard to read.
+const LEGIBLE: f64 = 7.0;
 /// Text is made smaller by at most this factor where there is no room.
 pub const SHRINK: f64 = 0.7;
 
@@ -154,7 +156,8 @@ impl Layout {
             if x < left - 0.5 || x + width > right + 0.5 || !is_in_half(x) {
                 return None;
             }
-            let gap = self.margin * 0.5 + 1.0;
+            // Titles side by side would read as one.
+            let gap = self.em.ceil();
             let Some(other) = self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5))
             else {
                 return Some(rect);
@@ -210,6 +213,10 @@ pub struct TextBlock {
     pub em: f64,
     /// Width and height of its box.
     pub size: [f64; 2],
+    /// Its end is left out.
+    pub is_cut: bool,
+    /// It had to be made so small that it is hard to read.
+    pub is_tiny: bool,
 }
 
 impl TextBlock {
@@ -221,7 +228,7 @@ impl TextBlock {
     fn of(lines: Vec<Line>, em: f64) -> Self {
         let width = lines.iter().fold(0.0f64, |width, line| width.max(line.width * em)).ceil();
         let height = em * (ASCENT + DESCENT + LINE * (lines.len().max(1) - 1) as f64);
-        Self { lines, em, size: [width, height.ceil()] }
+        Self { lines, em, size: [width, height.ceil()], is_cut: false, is_tiny: false }
     }
 
     /// A text in at most this width and this number of lines: broken between words, then smaller, then cut off with an ellipsis.
@@ -242,7 +249,19 @@ impl TextBlock {
         if let (true, Some(last)) = (is_cut, lines.last_mut()) {
             last.push('…');
         }
-        Self::of(lines.iter().map(|line| cut(line, width / size)).collect(), size)
+        let whole = |line: &str| Line::new(line).width * size <= width;
+        let is_cut = is_cut || !lines.iter().all(|line| whole(line));
+        let block = Self::of(lines.iter().map(|line| cut(line, width / size)).collect(), size);
+        Self { is_cut, is_tiny: size < em && size < LEGIBLE, ..block }
+    }
+
+    /// What is missing of it, if it is called `what`.
+    pub fn missing(&self, what: &str) -> Option<String> {
+        match (self.is_cut, self.is_tiny) {
+            (true, _) => Some(format!("the end of {what}")),
+            (false, true) => Some(format!("legible letters of {what}")),
+            (false, false) => None,
+        }
     }
 }
 

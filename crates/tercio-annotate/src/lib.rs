@@ -18,7 +18,7 @@
 //!     shift: [0.0; 2],
 //! };
 //! let annotation = Annotation { captions: vec![Caption::title("Step 12")], ..Annotation::default() };
-//! let laid_out = annotation.lay_out(&camera, (320, 240), [[-1.0; 3].into(), [1.0; 3].into()], 1)?;
+//! let laid_out = annotation.lay_out(&camera, (320, 240), [[-1.0; 3].into(), [1.0; 3].into()], [0.0, 1.0, 0.0].into())?;
 //! let mut planes = Planes { color: vec![[255; 4]; 320 * 240], ..Planes::default() };
 //! laid_out.onto.draw(&mut planes, 320, 0..240);
 //! assert!(planes.color.iter().any(|pixel| pixel[0] < 60));
@@ -43,7 +43,7 @@ pub mod ticks;
 pub mod triad;
 
 pub use annotation::{Annotation, LaidOut};
-pub use bar::ScalarBar;
+pub use bar::{Marks, ScalarBar};
 pub use caption::Caption;
 pub use font::{Direction, Line};
 pub use layout::{Layout, Place, Placed};

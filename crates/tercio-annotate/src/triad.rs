@@ -1,9 +1,10 @@
 //! The directions of the model's axes, in a corner of the picture.
 
 use glam::DVec3;
+use tercio_mesh::trig::sin_cos_degrees;
 
 use crate::font::{CAP_HEIGHT, Direction, Line};
-use crate::layout::{Layout, Place};
+use crate::layout::{Layout, Place, Rect, overlap};
 use crate::outline::Outline;
 use crate::overlay::Paint;
 use crate::project::Projector;
@@ -43,49 +44,141 @@ pub fn arms(projector: &Projector, length: f64) -> Vec<Arm> {
     arms
 }
 
-/// Adds the axes to a picture.
-pub fn add(layout: &mut Layout, projector: &Projector, place: Place) {
-    let em = layout.em;
-    let side = (em * HALF * 2.0).ceil();
-    let Some(rect) = layout.find([side, side], place) else { return layout.leave_out("axes") };
-    layout.keep("axes", rect);
-    let middle = [rect[0] + side * 0.5, rect[1] + side * 0.5];
-    let arms = arms(projector, em * LENGTH);
-    let is_dark = layout.color[1] > 0.4;
+/// Half of the height of a name, in ems, and how far the tail of a y is below that.
+const HALF_NAME: f64 = 0.27;
+const TAIL: f64 = 0.2;
+
+/// The corners of what is drawn of an arm, in pixels from the origin of the axes: its shaft and its head, or a square on its
+/// corner if it points towards the viewer or away.
+pub(crate) fn shapes(arm: &Arm, em: f64) -> Vec<Vec<[f64; 2]>> {
+    let [x, y] = arm.tip;
+    let length = (x * x + y * y).sqrt();
+    if length <= em * 0.15 {
+        let r = em * 0.22;
+        return vec![vec![[-r, 0.0], [0.0, -r], [r, 0.0], [0.0, r]]];
+    }
+    let head = (em * 0.62).min(length);
+    let at = |along: f64, aside: f64| {
+        let [ux, uy] = [x / length, y / length];
+        [ux * along - uy * aside, uy * along + ux * aside]
+    };
+    let (half, end) = (width(em) * 0.5, length - head * 0.8);
+    vec![
+        vec![at(0.0, half), at(end, half), at(end, -half), at(0.0, -half)],
+        vec![at(length, 0.0), at(length - head, em * 0.23), at(length - head, -em * 0.23)],
+    ]
+}
+
+/// The width of shafts.
+fn width(em: f64) -> f64 {
+    (em * 0.14).max(1.0)
+}
+
+/// Whether a box touches a convex polygon: no line along a side of either has them on its two sides.
+pub(crate) fn touches([left, top, right, bottom]: Rect, polygon: &[[f64; 2]]) -> bool {
+    let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+    let sides = (0..polygon.len()).map(|i| {
+        let ([ax, ay], [bx, by]) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        [ay - by, bx - ax]
+    });
+    let range = |points: &[[f64; 2]], [nx, ny]: [f64; 2]| {
+        let along = points.iter().map(|[x, y]| x * nx + y * ny);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    sides.chain([[1.0, 0.0], [0.0, 1.0]]).all(|normal| {
+        let ([a, b], [c, d]) = (range(&corners, normal), range(polygon, normal));
+        a < d && c < b
+    })
+}
+
+/// The box of a name with this middle.
+fn name_box(name: &str, [x, y]: [f64; 2], em: f64) -> Rect {
+    let half = Line::new(name).width * em * 0.5;
+    let below = if name == "y" { HALF_NAME + TAIL } else { HALF_NAME };
+    [x - half, y - HALF_NAME * em, x + half, y + below * em]
+}
+
+/// The middles of the names of arms, in pixels from the origin of the axes: beyond their ends, or beside these where something
+/// else is there.
+pub(crate) fn names(arms: &[Arm], em: f64) -> Vec<[f64; 2]> {
+    let shapes: Vec<Vec<[f64; 2]>> = arms.iter().flat_map(|arm| shapes(arm, em)).collect();
+    let mut boxes: Vec<Rect> = Vec::new();
+    let mut middles = Vec::new();
     for (number, arm) in arms.iter().enumerate() {
         let [x, y] = arm.tip;
         let length = (x * x + y * y).sqrt();
-        // On a dark picture they are brighter.
-        let color = if is_dark { arm.color.map(|c| (c * 1.6 + 0.12).min(1.0)) } else { arm.color };
-        let paint = Paint::Solid(color);
-        let width = (em * 0.14).max(1.0);
-        let head = (em * 0.62).min(length);
-        let at = |along: f64, aside: f64| {
-            let [ux, uy] = [x / length, y / length];
-            [middle[0] + ux * along - uy * aside, middle[1] + uy * along + ux * aside]
-        };
-        if length > em * 0.15 {
-            layout.overlay.fill(Outline::stroke(middle, at(length - head * 0.8, 0.0), width), paint.clone());
-            let corners = [at(length, 0.0), at(length - head, em * 0.23), at(length - head, -em * 0.23)];
-            layout.overlay.fill(Outline::polygon(&corners), paint);
-        } else {
-            // Towards the viewer or away: a square on its corner.
-            let r = em * 0.22;
-            let [cx, cy] = middle;
-            let corners = [[cx - r, cy], [cx, cy - r], [cx + r, cy], [cx, cy + r]];
-            layout.overlay.fill(Outline::polygon(&corners), paint);
-        }
-        // The name is beyond the end; of a short axis opposite to the others.
-        let line = Line::new(arm.name);
+        // The name of a short arm is opposite to the others.
         let mut toward = [x, y];
         if length < em * 0.7 {
             let others = arms.iter().enumerate().filter(|(other, _)| *other != number);
             toward = others.fold([0.0; 2], |sum, (_, other)| [sum[0] - other.tip[0], sum[1] - other.tip[1]]);
         }
         let size = (toward[0] * toward[0] + toward[1] * toward[1]).sqrt().max(1e-9);
-        let distance = length + em * 0.55;
-        let [lx, ly] = [middle[0] + toward[0] / size * distance, middle[1] + toward[1] / size * distance];
-        let place = [lx - line.width * em * 0.5, ly + em * CAP_HEIGHT * 0.36];
+        let [ux, uy] = toward.map(|v| v / size);
+        // Turned to one side, then to the other one, farther and farther.
+        let turned = |step: i32| {
+            let (sin, cos) = sin_cos_degrees(f64::from(step) * TURN);
+            [ux * cos - uy * sin, uy * cos + ux * sin]
+        };
+        let steps =
+            || (0..).map(|n: i32| if n % 2 == 0 { n / 2 } else { -(n / 2) - 1 }).take(360 / TURN as usize);
+        let beyond = length + em * 0.55;
+        let usual = std::iter::once([ux * beyond, uy * beyond]);
+        let at_end = steps().map(|step| turned(step).map(|d| d * em * 0.62)).map(|[dx, dy]| [x + dx, y + dy]);
+        let round = [beyond.min(em * FARTHEST), em * 1.4, em * FARTHEST].into_iter();
+        let round = round.flat_map(|distance| steps().map(move |step| turned(step).map(|d| d * distance)));
+        let is_free = |middle: &[f64; 2]| {
+            let rect = name_box(arm.name, *middle, em);
+            let reaches = em * HALF;
+            rect.iter().all(|side| side.abs() <= reaches)
+                && !boxes.iter().any(|other| overlap(other, &rect, em * 0.05))
+                && !shapes.iter().any(|shape| touches(rect, shape))
+        };
+        let first = [ux * beyond, uy * beyond];
+        let middle = usual.chain(at_end).chain(round).find(is_free).unwrap_or(first);
+        boxes.push(name_box(arm.name, middle, em));
+        middles.push(middle);
+    }
+    middles
+}
+
+/// Degrees between two places that are tried for a name.
+const TURN: f64 = 15.0;
+/// The largest distance of a name from the origin of the axes, in ems.
+const FARTHEST: f64 = LENGTH + 0.5;
+
+/// Adds the axes to a picture.
+pub fn add(layout: &mut Layout, projector: &Projector, place: Place) {
+    let em = layout.em;
+    let side = (em * HALF * 2.0).ceil();
+    // Where they were most of the picture, the model would have no room.
+    let is_large = side > layout.size[0].min(layout.size[1]) * 0.6;
+    let Some(rect) = layout.find([side, side], place).filter(|_| !is_large) else {
+        return layout.leave_out("axes");
+    };
+    layout.keep("axes", rect);
+    let middle = [rect[0] + side * 0.5, rect[1] + side * 0.5];
+    let arms = arms(projector, em * LENGTH);
+    let is_dark = layout.color[1] > 0.4;
+    let names = names(&arms, em);
+    for (arm, [lx, ly]) in arms.iter().zip(names) {
+        let [x, y] = arm.tip;
+        let length = (x * x + y * y).sqrt();
+        // On a dark picture they are brighter.
+        let color = if is_dark { arm.color.map(|c| (c * 1.6 + 0.12).min(1.0)) } else { arm.color };
+        let paint = Paint::Solid(color);
+        let shapes = shapes(arm, em);
+        if length > em * 0.15 {
+            let end = length - (em * 0.62).min(length) * 0.8;
+            let end = [middle[0] + x / length * end, middle[1] + y / length * end];
+            layout.overlay.fill(Outline::stroke(middle, end, width(em)), paint.clone());
+        }
+        if let Some(last) = shapes.last() {
+            let corners: Vec<[f64; 2]> = last.iter().map(|[x, y]| [middle[0] + x, middle[1] + y]).collect();
+            layout.overlay.fill(Outline::polygon(&corners), paint);
+        }
+        let line = Line::new(arm.name);
+        let place = [middle[0] + lx - line.width * em * 0.5, middle[1] + ly + em * CAP_HEIGHT * 0.36];
         layout.overlay.text(&line, place.map(f64::round), em, Direction::Right, layout.color);
     }
 }

@@ -1,7 +1,7 @@
 //! Golden pictures of the annotation alone, on plain backgrounds.
 
 use glam::DVec3;
-use tercio_annotate::{Annotation, Caption, NumberFormat, Place, ScalarBar};
+use tercio_annotate::{Annotation, Caption, Marks, NumberFormat, Place, ScalarBar};
 use tercio_raster::color8;
 use tercio_raster::frame::Planes;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Scale};
@@ -16,6 +16,7 @@ fn bar(map: &str, range: [f64; 2], title: &str) -> ScalarBar {
         place: place("right"),
         is_upright: true,
         shows_nan: false,
+        marks: Marks::Usual,
     }
 }
 
@@ -37,7 +38,7 @@ fn check(
     paper: [u8; 4],
 ) {
     let camera = annotation.make_room(camera, size);
-    let laid_out = annotation.lay_out(&camera, size, bounds.map(DVec3::from), 2).expect("a camera");
+    let laid_out = annotation.lay_out(&camera, size, bounds.map(DVec3::from), DVec3::Z).expect("a camera");
     assert_eq!(laid_out.left_out, Vec::<String>::new(), "{name}");
     let (width, height) = size;
     let pixels = width as usize * height as usize;

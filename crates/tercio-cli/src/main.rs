@@ -10,6 +10,7 @@ mod mpi;
 mod named_files;
 mod nothing_drawn;
 mod organisation;
+mod other_programs;
 mod output;
 mod progress;
 mod report;
@@ -22,6 +23,7 @@ mod stereo;
 mod threads;
 mod tips;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
@@ -80,11 +82,16 @@ fn definition() -> clap::Command {
     short::with_short_help(Cli::command())
 }
 
+/// The arguments, with the command that was left out and the options that other programs call otherwise.
+fn arguments(program: &clap::Command) -> Vec<OsString> {
+    other_programs::translated(short::with_command(program, std::env::args_os()))
+}
+
 fn main() -> ExitCode {
     ending::prepare();
     ending::at_end(remove_partial_files);
     let program = definition();
-    let arguments = short::with_command(&program, std::env::args_os());
+    let arguments = arguments(&program);
     match scene_file::render(&arguments) {
         Ok(None) => {}
         Ok(Some(render)) => return run(Cli { command: Command::Render(Box::new(render)) }),
@@ -94,7 +101,7 @@ fn main() -> ExitCode {
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(mut answer) => {
-            tips::add(&mut answer, &program, arguments.into_iter());
+            tips::add(&mut answer, &program, &arguments);
             return print_answer(&answer);
         }
     };

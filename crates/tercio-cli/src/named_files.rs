@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use tercio::image::{Destination, FileIdentity};
 
 use crate::output::{self, UsageError};
@@ -145,6 +145,24 @@ impl NamedFiles {
             ))),
             None => Ok(()),
         }
+    }
+
+    /// Makes the folders of outputs that are missing inside of folders that there are: those of many pictures.
+    ///
+    /// # Errors
+    /// The first that cannot be made.
+    pub fn make_folders(&self) -> Result<()> {
+        for (_, destination) in &self.written {
+            let Destination::File(path) = destination else { continue };
+            let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) else {
+                continue;
+            };
+            let above = folder.parent().is_some_and(|above| above.as_os_str().is_empty() || above.is_dir());
+            if !folder.exists() && above {
+                std::fs::create_dir(folder).with_context(|| format!("folder {}", folder.display()))?;
+            }
+        }
+        Ok(())
     }
 
     /// [`NamedFiles::check`] and [`NamedFiles::check_places`].

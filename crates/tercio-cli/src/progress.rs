@@ -101,9 +101,17 @@ fn rate(per_second: f64) -> String {
 fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
     let template = match total {
         0 => "{msg} {spinner}",
+        // There is no rate before the first one.
+        _ if stage == PICTURES && done == 0 => "{msg} {bar:40} {pos}/{len}",
         _ if stage == PICTURES => "{msg} {bar:40} {pos}/{len}, {rate}, {eta} left",
         _ => "{msg} {bar:40} {percent:>3}% {eta}",
     };
+    // Before the style and the message, which draw what they find.
+    match total {
+        0 => bar.unset_length(),
+        _ => bar.set_length(total),
+    }
+    bar.set_position(done.min(total));
     if let Ok(style) = ProgressStyle::with_template(template) {
         let written = |state: &ProgressState, to: &mut dyn Write| {
             // Nothing can be done where the terminal does not take it.
@@ -112,11 +120,6 @@ fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) 
         bar.set_style(style.with_key("rate", written));
     }
     bar.set_message(stage);
-    match total {
-        0 => bar.unset_length(),
-        _ => bar.set_length(total),
-    }
-    bar.set_position(done.min(total));
     bar.tick();
 }
 

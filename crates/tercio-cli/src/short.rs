@@ -3,43 +3,66 @@
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-use clap::Command;
+use clap::{Arg, Command};
 
 use crate::commands::render::EXAMPLES;
 
-/// The options of `render` that its short help lists; --help lists all.
-const RENDER: [&str; 17] = [
-    "model",
-    "more",
-    "output",
-    "size",
-    "view",
-    "azimuth",
-    "elevation",
-    "zoom",
-    "up_axis",
-    "eye",
-    "turntable",
-    "camera_path",
-    "shading",
-    "color",
-    "opacity",
-    "background",
-    "verbose",
+/// The options of `render` that its short help lists, each in a few words; --help lists all, and says all of them.
+const RENDER: [(&str, &str); 13] = [
+    ("model", "A file, `-` for standard input, or builtin:NAME@COUNT"),
+    ("more", "More models: a picture each, or the steps of a series"),
+    ("output", "Picture (.png, .jpg, .webp, .ppm), drawing (.svg, .pdf), film (.gif, .webp, .mp4)"),
+    ("size", "Width and height in pixels"),
+    ("view", "Where the camera is"),
+    ("azimuth", "Degrees round the up axis [default: 15]"),
+    ("elevation", "Degrees above the horizon [default: 18]"),
+    ("turntable", "N pictures of a full turn, as a film or a series"),
+    ("color", "Colour of a model that has none of its own"),
+    ("opacity", "Opacity of the model, 0 to 1"),
+    ("background", "A colour, two for a gradient, or transparent"),
+    ("color_by", "Colours by an attribute; tercio info lists them"),
+    ("mode", "What is drawn"),
 ];
+
+/// Those of `sheet`.
+const SHEET: [(&str, &str); 2] = [
+    ("columns", "Number of columns"),
+    ("caption", "What is written below each picture, as {name} or {view}"),
+];
+
+/// An option in the short help, if it is `listed` there.
+fn in_short_help(argument: Arg, listed: &[(&str, &'static str)]) -> Arg {
+    let text = listed.iter().find(|(id, _)| argument.get_id() == id).map(|(_, text)| *text);
+    match (text, argument.get_long_help().or(argument.get_help()).cloned()) {
+        (Some(text), Some(long)) => argument.help(text).long_help(long),
+        _ => argument.hide_short_help(text.is_none()),
+    }
+}
+
+/// An option whose value may be below 0, so that the error is about the value, and not about an option `-3`.
+fn taking_numbers(argument: Arg) -> Arg {
+    let takes_one = argument.get_long().is_some() && argument.get_action().takes_values();
+    if takes_one && !argument.is_require_equals_set() {
+        argument.allow_negative_numbers(true)
+    } else {
+        argument
+    }
+}
 
 /// The definition with a short help that fits a screen.
 pub fn with_short_help(program: Command) -> Command {
     let program = program.mut_subcommand("sheet", |sheet| {
         let sheet = sheet.mut_args(|argument| {
-            let id = argument.get_id().as_str();
-            let is_listed = RENDER.contains(&id) || ["columns", "caption"].contains(&id);
-            let argument = argument.hide_short_help(!is_listed);
+            let is_of_render = RENDER.iter().any(|(id, _)| argument.get_id() == id);
+            let argument =
+                in_short_help(taking_numbers(argument), if is_of_render { &RENDER } else { &SHEET });
             // Small pictures, on paper.
             match argument.get_id().as_str() {
                 "size" => argument.default_value("256x256"),
                 "background" => argument.default_value("#ffffff"),
-                "more" => argument.help("More models"),
+                "more" => argument.help("More models").long_help("More models"),
+                // They do not fit beside those of sheets.
+                "turntable" | "opacity" => argument.hide_short_help(true),
                 "output" => {
                     let help = "The sheet (.png, .jpg, .webp, .ppm), or `-` for standard output";
                     argument.help(help).long_help(help)
@@ -48,17 +71,16 @@ pub fn with_short_help(program: Command) -> Command {
             }
         });
         let about = "Draws many models, or many views of one, into one picture: a contact sheet";
-        let more = "--help lists all options, which are those of render, and has examples.";
+        let more = "--help lists all options: those of render, too; it has examples.";
         sheet.about(about).long_about(about).after_help(more).after_long_help(EXAMPLES)
     });
     program.mut_subcommand("render", |render| {
         let render = render.mut_args(|argument| {
-            let is_listed = RENDER.contains(&argument.get_id().as_str());
-            argument.hide_short_help(!is_listed)
+            in_short_help(taking_numbers(argument), &RENDER)
         });
         // Examples are part of the long help.
         let examples = render.get_after_help().cloned().unwrap_or_default();
-        let more = "--help lists all options: series and films, several models and scene files, light, effects, data, annotation, clipping, outputs, ranks, tuning.";
+        let more = "--help lists all options: light, data, lines, annotation, clipping, series and films, several models, ranks, tuning; it has examples.";
         render.after_help(more).after_long_help(examples)
     })
 }
@@ -100,11 +122,16 @@ mod tests {
 
     #[test]
     fn the_short_help_fits_a_screen_and_the_long_one_has_everything() {
-        let mut program = crate::definition().max_term_width(100);
+        let mut program = crate::definition().term_width(80);
         program.build();
+        for name in ["render", "sheet"] {
+            let command = program.find_subcommand_mut(name).unwrap();
+            let short = command.render_help().to_string();
+            assert!(short.lines().count() <= 40, "{} lines:\n{short}", short.lines().count());
+            assert!(short.lines().all(|line| line.chars().count() <= 80), "{short}");
+        }
         let render = program.find_subcommand_mut("render").unwrap();
         let short = render.render_help().to_string();
-        assert!(short.lines().count() <= 60, "{} lines:\n{short}", short.lines().count());
         let long = render.render_long_help().to_string();
         for option in ["--tile-size", "--organisation", "--turntable", "--ao", "Examples:"] {
             assert!(
@@ -112,9 +139,11 @@ mod tests {
                 "{option}"
             );
         }
-        for id in RENDER {
+        for (id, _) in RENDER {
             assert!(render.get_arguments().any(|a| a.get_id() == id), "{id}");
         }
+        let sheet = program.find_subcommand("sheet").unwrap();
+        assert!(SHEET.iter().all(|(id, _)| sheet.get_arguments().any(|a| a.get_id() == id)));
     }
 
     /// What follows "tercio" in the examples of a command and its own commands; without pipes, redirections and remarks.

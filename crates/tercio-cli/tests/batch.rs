@@ -47,9 +47,18 @@ fn outputs_that_would_be_one_file_are_refused_before_anything_is_drawn() {
         .run("render a.off b.off -o {name}.off --format png")
         .failed(2, &["a.off", "an output must not be an input"]);
     place.run("render a.off b.off -o {name}.png --stats s.json").failed(2, &["s.json", "same file"]);
-    place.run("render a.off b.off -o missing/{name}.png").failed(1, &["missing"]);
+    place.run("render a.off b.off -o missing/deep/{name}.png").failed(1, &["missing"]);
     place.run("render *.stl -o {name}.png").failed(2, &["*.stl", "no such file"]);
     assert_eq!(place.names(), ["a.obj", "a.off", "b.off"]);
+}
+
+#[test]
+fn the_folder_of_many_pictures_is_made() {
+    let place = place_with(&["a.off", "b.off"]);
+    place.run(&format!("render a.off b.off -o thumbs/{{name}}.png --quiet {SMALL}")).ok_silently();
+    assert!(place.path("thumbs/a.png").is_file() && place.path("thumbs/b.png").is_file());
+    place.run(&format!("render a.off -o turn/{{}}.png --turntable 2 --quiet {SMALL}")).ok_silently();
+    assert!(place.path("turn/0.png").is_file());
 }
 
 /// A picture of one model is drawn before a texture of another one is read.

@@ -85,6 +85,56 @@ fn wrong_usage_is_reported_before_any_work() {
     assert_eq!(place.names(), ["model.off"]);
 }
 
+/// A wrong option gets the tip that helps, or none.
+#[test]
+fn tips_help() {
+    let place = Place::new();
+    let cases = [
+        ("--wireframe", Some("--mode wireframe")),
+        ("--azimut 3", Some("'--azimuth'")),
+        ("-e", Some("'--edges'")),
+        ("--hdri-file sky.hdr", Some("--environment FILE")),
+        ("--foo", None),
+        ("--translation", None),
+        ("--flub", None),
+    ];
+    for (option, tip) in cases {
+        let outcome = place.run(&format!("render model.off -o a.png {option}"));
+        outcome.failed(2, &["unexpected argument", tip.unwrap_or("Usage:")]);
+        assert_eq!(outcome.stderr.contains("tip:"), tip.is_some(), "{option}: {}", outcome.stderr);
+    }
+    place.run("render model.off -o a.png --point-size -3").failed(2, &["--point-size", "above 0"]);
+}
+
+/// Names of F3D and PyVista do what those of tercio do.
+#[test]
+fn options_of_other_programs_are_known() {
+    let place = Place::new();
+    let pairs = [
+        ("--window_size 48,36 --show-edges --off-screen", "--size 48x36 --edges"),
+        (
+            "--resolution 48,36 --style wireframe --no-background",
+            "--size 48x36 --mode wireframe --background transparent",
+        ),
+        ("-s 48x36 --camera-position 3,2,5 --camera-view-angle 40", "-s 48x36 --eye 3,2,5 --fov 40"),
+        (
+            "-s 48x36 --scalars @elevation --n-colors 4 --clim 0,1",
+            "-s 48x36 --color-by @elevation --bands 4 --range 0,1",
+        ),
+        (
+            "-s 48x36 --point-sprites --parallel-projection",
+            "-s 48x36 --mode points --point-shape sphere --orthographic",
+        ),
+        ("-s 48x36 --up -Z", "-s 48x36 --up-axis z --roll 180 --azimuth -15 --elevation -18"),
+        ("-s 48x36 --camera-direction +X", "-s 48x36 --camera-direction 1,0,0"),
+    ];
+    for (other, own) in pairs {
+        place.run(&format!("render model.off -o a.png --quiet {other}")).ok_silently();
+        place.run(&format!("render model.off -o b.png --quiet {own}")).ok_silently();
+        assert!(place.read("a.png") == place.read("b.png"), "{other}");
+    }
+}
+
 #[test]
 fn commands_without_their_arguments_are_refused() {
     let place = Place::new();

@@ -26,6 +26,12 @@ pub enum UpAxis {
     Y,
     /// +z up; the front is seen from -y, with +x to the right, as in CAD.
     Z,
+    /// -x up: the front of [`UpAxis::X`], upside down.
+    NegX,
+    /// -y up: the front of [`UpAxis::Y`], upside down.
+    NegY,
+    /// -z up: the front of [`UpAxis::Z`], upside down.
+    NegZ,
 }
 
 impl UpAxis {
@@ -35,6 +41,9 @@ impl UpAxis {
             Self::X => (DVec3::NEG_Y, DVec3::X),
             Self::Y => (DVec3::X, DVec3::Y),
             Self::Z => (DVec3::X, DVec3::Z),
+            Self::NegX => (DVec3::Y, DVec3::NEG_X),
+            Self::NegY => (DVec3::NEG_X, DVec3::NEG_Y),
+            Self::NegZ => (DVec3::NEG_X, DVec3::NEG_Z),
         };
         CameraBasis { right, up, forward: up.cross(right) }
     }

@@ -1,9 +1,12 @@
 use proptest::prelude::*;
+use tercio_mesh::trig::sin_cos_degrees;
 use tercio_scene::Projection;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Scale};
 
 use super::*;
-use crate::layout::overlap;
+use crate::bar::Marks;
+use crate::font::Line;
+use crate::layout::{Rect, overlap};
 
 fn camera(eye: DVec3, projection: Projection) -> Camera {
     Camera { eye, target: DVec3::ZERO, up: DVec3::Y, projection, near: None, shift: [0.0; 2] }
@@ -20,12 +23,13 @@ fn bar(range: [f64; 2], scale: Scale) -> ScalarBar {
         place: Place::named("right").expect("a place"),
         is_upright: true,
         shows_nan: true,
+        marks: Marks::Usual,
     }
 }
 
 /// No two boxes overlap, nothing is drawn outside of the picture, and boxes contain what is drawn.
 fn check(annotation: &Annotation, camera: &Camera, size: (u32, u32), bounds: [DVec3; 2]) -> LaidOut {
-    let laid_out = annotation.lay_out(camera, size, bounds, 1).expect("a camera");
+    let laid_out = annotation.lay_out(camera, size, bounds, DVec3::Y).expect("a camera");
     let (w, h) = (f64::from(size.0), f64::from(size.1));
     for (number, a) in laid_out.placed.iter().enumerate() {
         let [left, top, right, bottom] = a.rect;
@@ -250,6 +254,153 @@ fn axes_point_along_the_axes() {
             }
             assert_eq!(arm.depth > 0.0, axis.dot(-eye) > 0.0, "{}", arm.name);
         }
+    }
+}
+
+/// A bar that lies across its border takes its room there, as in the usual orientation.
+#[test]
+fn bars_across_their_border_have_room_of_their_own() {
+    for (name, is_upright, side) in
+        [("bottom", true, 3), ("top", true, 1), ("left", false, 0), ("right", false, 2)]
+    {
+        for size in [(640, 480), (1280, 960), (300, 200)] {
+            let place = Place::named(name).expect("a place");
+            let across = ScalarBar { place, is_upright, ..bar([-1.0, 2.0], Scale::Linear) };
+            let annotation = Annotation { bars: vec![across], ..Annotation::default() };
+            let layout = annotation.fixed(size.0, size.1);
+            let margins = annotation.margins(size.0, size.1);
+            let [bar] = &layout.placed[..] else { panic!("{name} {size:?}: {:?}", layout.left_out) };
+            let [w, h] = layout.size;
+            let reach = [bar.rect[2], bar.rect[3], w - bar.rect[0], h - bar.rect[1]][side];
+            assert!((margins[side] - reach).abs() <= 1.0, "{name} {size:?}: {margins:?} {bar:?}");
+        }
+    }
+}
+
+/// What is cut off is named among what was left out, and nothing is where all is there.
+#[test]
+fn cut_text_is_reported() {
+    let of = |title: &str, text: &str, size: (u32, u32)| {
+        let titled = ScalarBar { title: title.into(), ..bar([-1.0, 2.0], Scale::Linear) };
+        let caption = Caption { text: text.into(), place: Place { x: 1.0, y: 0.0 }, size: 1.0 };
+        Annotation { bars: vec![titled], captions: vec![caption], ..Annotation::default() }
+            .fixed(size.0, size.1)
+            .left_out
+    };
+    assert_eq!(of("Pressure", "Wing", (640, 480)), Vec::<String>::new());
+    let long = "long title word ".repeat(20);
+    assert_eq!(of(&long, "Wing", (640, 480)), ["the end of the title of bar"]);
+    let letters = "abcdefgh".repeat(40);
+    let cut = of("Pressure", &letters, (640, 480));
+    assert!(matches!(&cut[..], [one] if one.starts_with("the end of text \"abcdefgh")), "{cut:?}");
+}
+
+/// Bands are marked at their borders where there is room, and what is asked for is there or named.
+#[test]
+fn marks_of_bars() {
+    let banded = |bands, marks| {
+        let mut banded = bar([10.0, 18.1], Scale::Linear);
+        banded.colors.bands = Some(bands);
+        ScalarBar { marks, ..banded }
+    };
+    let values = |bar: &ScalarBar, close| -> Vec<f64> {
+        bar.ticks(8, close).iter().filter(|tick| !tick.label.is_empty()).map(|tick| tick.value).collect()
+    };
+    let borders = banded(10, Marks::Usual);
+    assert_eq!(values(&borders, 20), borders.colors.boundaries());
+    assert_eq!(values(&borders, 9).len(), 6);
+    assert_eq!(values(&banded(10, Marks::Count(3)), 20), [10.0, 14.05, 18.1]);
+    let asked = banded(10, Marks::At(vec![17.25, 11.0, 99.0]));
+    assert_eq!(values(&asked, 20), [11.0, 17.25]);
+    assert_eq!(asked.ticks(8, 20)[1].label, "17.25");
+    let annotation = Annotation { bars: vec![asked], ..Annotation::default() };
+    assert_eq!(annotation.fixed(640, 480).left_out, ["the mark 99 of bar, which is not in its range"]);
+}
+
+/// Titles of bars side by side are apart.
+#[test]
+fn titles_side_by_side_are_apart() {
+    let titled = |title: &str| ScalarBar { title: title.into(), ..bar([-0.5, 0.5], Scale::Linear) };
+    let annotation =
+        Annotation { bars: vec![titled("height@point"), titled("Elevation")], ..Annotation::default() };
+    let layout = annotation.fixed(400, 240);
+    let [a, b] = &layout.placed[..] else { panic!("{:?}", layout.placed) };
+    assert!(!overlap(&a.rect, &b.rect, layout.em * 0.9), "{a:?} {b:?}");
+}
+
+/// Text and bars leave the model of a small picture its room, or are left out.
+#[test]
+fn small_pictures_have_room_for_the_model() {
+    for size in [(64, 64), (48, 80), (90, 90)] {
+        let annotation = Annotation {
+            captions: vec![
+                Caption::title("Wing of a plane"),
+                Caption { text: "step 12".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 },
+                Caption { text: "below".into(), place: Place { x: 1.0, y: 1.0 }, size: 1.0 },
+            ],
+            bars: vec![bar([-1.0, 2.0], Scale::Linear)],
+            axes: Some(Place { x: 0.0, y: 1.0 }),
+            bounds: true,
+            ..Annotation::default()
+        };
+        let [left, top, right, bottom] = annotation.margins(size.0, size.1);
+        let (w, h) = (f64::from(size.0), f64::from(size.1));
+        let room = [left, top, w - right, h - bottom];
+        assert!(room[2] - room[0] >= w * 0.38 && room[3] - room[1] >= h * 0.38, "{size:?}: {room:?}");
+        let layout = annotation.fixed(size.0, size.1);
+        for placed in &layout.placed {
+            assert!(!overlap(&placed.rect, &room, -1.0), "{size:?}: {placed:?} lies on the model: {room:?}");
+        }
+        assert!(!layout.left_out.is_empty(), "{size:?}");
+    }
+}
+
+/// From no direction a name of an axis lies on an arrow or on another name, or leaves the box of the axes.
+#[test]
+fn names_of_axes_are_free() {
+    let em = 20.0;
+    for azimuth in (0..360).step_by(5) {
+        for elevation in (-90..=90).step_by(5) {
+            let (sin, cos) = sin_cos_degrees(f64::from(azimuth) + 0.3);
+            let (up, level) = sin_cos_degrees(f64::from(elevation) * 0.999);
+            let eye = DVec3::new(sin * level, up, cos * level) * 9.0;
+            let camera = camera(eye, Projection::Orthographic { height: 5.0 });
+            let projector = Projector::new(&camera, [800.0, 600.0]).expect("a camera");
+            let arms = triad::arms(&projector, em * 2.1);
+            let names = triad::names(&arms, em);
+            let boxes: Vec<Rect> = arms
+                .iter()
+                .zip(&names)
+                .map(|(arm, [x, y])| {
+                    let half = Line::new(arm.name).width * em * 0.5;
+                    [x - half, y - em * 0.26, x + half, y + em * if arm.name == "y" { 0.46 } else { 0.26 }]
+                })
+                .collect();
+            for (k, a) in boxes.iter().enumerate() {
+                let what = format!("{} at {azimuth}, {elevation}", arms[k].name);
+                assert!(a.iter().all(|side| side.abs() <= em * 3.0), "{what}: {a:?}");
+                assert!(boxes[k + 1..].iter().all(|b| !overlap(a, b, 0.0)), "{what}: {boxes:?}");
+                for shape in arms.iter().flat_map(|arm| triad::shapes(arm, em)) {
+                    assert!(!triad::touches(*a, &shape), "{what}: {a:?} {shape:?}");
+                }
+            }
+        }
+    }
+}
+
+/// A box touches a polygon that has a corner in it, crosses it or contains it, and no other one.
+#[test]
+fn boxes_touch_polygons() {
+    let rect = [0.0, 0.0, 2.0, 1.0];
+    for polygon in [
+        vec![[1.0, 0.5], [3.0, 3.0], [4.0, 1.0]],
+        vec![[-1.0, 0.4], [3.0, 0.4], [3.0, 0.6], [-1.0, 0.6]],
+        vec![[-9.0, -9.0], [9.0, -9.0], [0.0, 9.0]],
+    ] {
+        assert!(triad::touches(rect, &polygon), "{polygon:?}");
+    }
+    for polygon in [vec![[2.1, 0.0], [3.0, 0.0], [3.0, 1.0]], vec![[2.0, -0.6], [3.5, 0.9], [3.5, -0.6]]] {
+        assert!(!triad::touches(rect, &polygon), "{polygon:?}");
     }
 }
 

@@ -7,7 +7,7 @@ use crate::overlay::Paint;
 
 impl ScalarBar {
     /// A list of colours with their names, the first above; as many as there is room for.
-    pub(super) fn add_list(&self, layout: &mut Layout) -> Option<Rect> {
+    pub(super) fn add_list(&self, layout: &mut Layout, name: &str) -> Option<Rect> {
         let [left, top, right, bottom] = layout.area();
         let mut entries: Vec<(&str, [f32; 4])> =
             self.colors.categories.iter().map(|c| (&*c.label, linear(c.color))).collect();
@@ -21,7 +21,7 @@ impl ScalarBar {
                 if most < entries.len() && shrink > SHRINK {
                     break;
                 }
-                if let Some(rect) = self.list_of(layout, &entries, most, layout.em * shrink, room) {
+                if let Some(rect) = self.list_of(layout, name, &entries, most, layout.em * shrink, room) {
                     return Some(rect);
                 }
             }
@@ -32,6 +32,7 @@ impl ScalarBar {
     fn list_of(
         &self,
         layout: &mut Layout,
+        name: &str,
         entries: &[(&str, [f32; 4])],
         most: usize,
         em: f64,
@@ -58,6 +59,7 @@ impl ScalarBar {
         let color = layout.color;
         if let Some(title) = &title {
             layout.draw_text(title, [rect[0], rect[1]], 0.0, color);
+            title.missing(&format!("the title of {name}")).iter().for_each(|what| layout.leave_out(what));
         }
         for (number, label) in labels.iter().chain(&more).enumerate() {
             let middle = rect[1] + above + step * (number as f64 + 0.5);
@@ -69,6 +71,9 @@ impl ScalarBar {
             }
             let at = [rect[0] + text_left, middle + label.em * CAP_HEIGHT * 0.5].map(f64::round);
             layout.overlay.text(&label.lines[0], at, label.em, Direction::Right, color);
+        }
+        if labels.iter().any(|label| label.is_cut) {
+            layout.leave_out(&format!("the ends of labels of {name}"));
         }
         Some(rect)
     }

@@ -2,17 +2,41 @@
 
 use tercio_scene::color_map::Scale;
 
-use super::ScalarBar;
+use super::{Marks, Parts, ScalarBar};
 use crate::number::{self, NumberFormat, exponent_of};
 use crate::ticks::{self, Tick};
 
+/// Borders of more bands are no marks: it is hard to see them.
+const MOST_BORDERS: usize = 101;
+
+/// Marks of which only every second, third ... has a label if there are more than `most`.
+fn thinned(mut ticks: Vec<Tick>, most: usize) -> Vec<Tick> {
+    let every = (ticks.len() - 1).div_ceil(most.max(2) - 1).max(1);
+    for (number, tick) in ticks.iter_mut().enumerate() {
+        if number % every > 0 {
+            tick.label.clear();
+        }
+    }
+    ticks
+}
+
 impl ScalarBar {
-    /// The marks, of which at most `most` have labels: the borders of bands if there are few enough, round numbers otherwise.
-    pub(super) fn ticks(&self, most: usize) -> Vec<Tick> {
+    /// The marks, of which at most `most` have labels: where they are asked for, at the borders of bands, or at round numbers. Those
+    /// that are not free to be elsewhere may have labels as close as `most_close` of them.
+    pub(crate) fn ticks(&self, most: usize, most_close: usize) -> Vec<Tick> {
         let most = most.max(2);
+        let asked = self.asked();
+        if !asked.is_empty() {
+            let ticks = if matches!(self.marks, Marks::At(_)) {
+                asked.iter().map(|&value| Tick { value, label: self.exactly(value) }).collect()
+            } else {
+                self.of_borders(&asked)
+            };
+            return thinned(ticks, most.max(most_close));
+        }
         let borders = self.colors.boundaries();
-        if !borders.is_empty() && borders.len() <= most {
-            return self.of_borders(&borders);
+        if !borders.is_empty() && borders.len() <= MOST_BORDERS {
+            return thinned(self.of_borders(&borders), most.max(most_close));
         }
         let range = self.colors.range;
         let ticks = match self.colors.scale {
@@ -26,6 +50,46 @@ impl ScalarBar {
             tick.label.is_empty() || last.replace(tick.label.clone()).as_ref() != Some(&tick.label)
         };
         ticks.into_iter().filter(is_new).collect()
+    }
+
+    /// A number as it was given.
+    fn exactly(&self, value: f64) -> String {
+        if self.format != NumberFormat::Auto {
+            return self.format.print(value);
+        }
+        let is_exact = |digits: &usize| number::parse(&number::general(value, *digits)) == Some(value);
+        number::general(value, (1..17).find(is_exact).unwrap_or(17))
+    }
+
+    /// The values that marks are asked for, within the range.
+    fn asked(&self) -> Vec<f64> {
+        let [low, high] = self.colors.range;
+        match &self.marks {
+            Marks::Usual => Vec::new(),
+            Marks::Count(count) => {
+                let last = (*count).max(2) - 1;
+                (0..=last).map(|i| self.colors.value_at(i as f64 / last as f64)).collect()
+            }
+            Marks::At(values) => {
+                let mut values: Vec<f64> =
+                    values.iter().copied().filter(|v| (low..=high).contains(v)).collect();
+                values.sort_by(f64::total_cmp);
+                values.dedup();
+                values
+            }
+        }
+    }
+
+    /// What is missing of the marks that are asked for.
+    pub(super) fn unmarked(&self, parts: &Parts, name: &str) -> Option<String> {
+        let [low, high] = self.colors.range;
+        if let Marks::At(values) = &self.marks
+            && let Some(value) = values.iter().find(|v| !(low..=high).contains(*v))
+        {
+            return Some(format!("the mark {value} of {name}, which is not in its range"));
+        }
+        let is_thinned = self.marks != Marks::Usual && parts.ticks.iter().any(|tick| tick.label.is_empty());
+        is_thinned.then(|| format!("some numbers of {name}"))
     }
 
     /// The borders of bands, with as many digits as it takes to know them to a hundredth of a band.

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::annotate::annotation::readable_on;
-use tercio::annotate::{Annotation, Caption, LaidOut, NumberFormat, Place, ScalarBar, font};
+use tercio::annotate::{Annotation, Caption, LaidOut, Marks, NumberFormat, Place, ScalarBar, font};
 use tercio::raster::Outputs;
 use tercio::scene::color_map::DataColors;
 use tercio::scene::{Background, Instance, SurfaceData, srgb_to_linear};
@@ -47,6 +47,11 @@ pub struct AnnotationArgs {
         conflicts_with = "no_bar"
     )]
     bar_format: NumberFormat,
+    /// Numbers of the scalar bar: how many, 2 to 64, spread evenly from one end to the other, or their values with commas (a
+    /// single one ends with a comma) [default: the borders of bands, or round numbers].
+    #[arg(long, alias = "n-labels", value_name = "N|V1,V2", allow_hyphen_values = true, value_parser = marks)]
+    #[arg(requires = "color_by", conflicts_with = "no_bar")]
+    bar_ticks: Option<Marks>,
     /// Orientation of the scalar bar [default: horizontal at the top and at the bottom, else vertical].
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
@@ -85,6 +90,19 @@ fn place(name: &str) -> Result<Place, String> {
         let names: Vec<_> = Place::names().collect();
         format!("expected {}, or X,Y with shares of 0 to 1", names.join(", "))
     })
+}
+
+fn marks(text: &str) -> Result<Marks, String> {
+    const EXPECTED: &str = "expected how many, 2 to 64, or at most 64 numbers with commas between";
+    if let Ok(count) = text.trim().parse::<usize>() {
+        return if (2..=64).contains(&count) { Ok(Marks::Count(count)) } else { Err(EXPECTED.into()) };
+    }
+    let words = text.split(',').map(str::trim).filter(|word| !word.is_empty());
+    let values: Result<Vec<f64>, String> = words.map(values::number).collect();
+    match values {
+        Ok(values) if (1..=64).contains(&values.len()) => Ok(Marks::At(values)),
+        _ => Err(EXPECTED.into()),
+    }
 }
 
 /// Most characters of a text.
@@ -224,6 +242,7 @@ impl AnnotationArgs {
             colors: colors.clone(),
             title: title.trim().to_owned(),
             format: self.bar_format,
+            marks: self.bar_ticks.clone().unwrap_or_default(),
             place,
             is_upright,
             // Gray is not explained where nobody asked for it, and where all values are numbers as a rule.

@@ -71,20 +71,47 @@ enum Up {
     /// Of the picture.
     Vector(DVec3),
     /// Of the model.
-    Axis(Axis),
+    Axis(UpAxis),
 }
 
-fn up(text: &str) -> Result<Up, String> {
-    let axis = match text.trim_start_matches('+') {
+/// An axis by its name, and whether it is meant against its direction: `Z`, `+z`, `-Z`.
+fn signed_axis(text: &str) -> Option<(Axis, bool)> {
+    let is_negative = text.starts_with('-');
+    let axis = match text.strip_prefix(['+', '-']).unwrap_or(text) {
         "X" | "x" => Axis::X,
         "Y" | "y" => Axis::Y,
         "Z" | "z" => Axis::Z,
-        _ => {
-            let vector = values::vector(text).map_err(|_| "expected three numbers X,Y,Z, or +X, +Y or +Z");
+        _ => return None,
+    };
+    Some((axis, is_negative))
+}
+
+fn up(text: &str) -> Result<Up, String> {
+    let axis = match signed_axis(text) {
+        Some((axis, false)) => axis.into(),
+        Some((Axis::X, true)) => UpAxis::NegX,
+        Some((Axis::Y, true)) => UpAxis::NegY,
+        Some((Axis::Z, true)) => UpAxis::NegZ,
+        None => {
+            let vector = values::vector(text)
+                .map_err(|_| "expected three numbers X,Y,Z, or an axis: +X, -X, +Y, -Y, +Z or -Z");
             return Ok(Up::Vector(vector?));
         }
     };
     Ok(Up::Axis(axis))
+}
+
+fn direction(text: &str) -> Result<DVec3, String> {
+    let Some((axis, is_negative)) = signed_axis(text) else {
+        let expected = |_| "expected three numbers X,Y,Z, or an axis: +X, -X, +Y, -Y, +Z or -Z".into();
+        return values::vector(text).map_err(expected);
+    };
+    let axis = match axis {
+        Axis::X => DVec3::X,
+        Axis::Y => DVec3::Y,
+        Axis::Z => DVec3::Z,
+    };
+    Ok(if is_negative { -axis } else { axis })
 }
 
 /// Position and projection of the camera. By default it frames the model.
@@ -96,11 +123,11 @@ pub struct CameraArgs {
     #[arg(conflicts_with_all = ["azimuth", "elevation", "eye"])]
     view: Vec<NamedView>,
     /// Degrees round the up axis; 0 is the front, positive turns the camera to its right [default: 15].
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
+    #[arg(long, alias = "camera-azimuth-angle", value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
     #[arg(conflicts_with = "eye")]
     azimuth: Option<f64>,
     /// Degrees above the horizon [default: 18].
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
+    #[arg(long, alias = "camera-elevation-angle", value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
     #[arg(conflicts_with = "eye")]
     elevation: Option<f64>,
     /// Degrees by which the camera is turned counter-clockwise round its line of sight.
@@ -108,31 +135,33 @@ pub struct CameraArgs {
     #[arg(default_value = "0", hide_default_value = true)]
     roll: f64,
     /// Shows the model larger (above 1, up to 1000000) or smaller (down to 0.001), by narrowing the angle of view.
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::zoom)]
+    #[arg(long, alias = "camera-zoom-factor", value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::zoom)]
     #[arg(default_value = "1", hide_default_value = true)]
     zoom: f64,
     /// The axis that points upwards [default: y; of STL, LAS, LAZ and point clouds as text, z].
     #[arg(long, value_name = "AXIS", value_enum)]
     up_axis: Option<Axis>,
-    /// Direction in which the camera looks at the model that it frames, instead of --azimuth and --elevation.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    /// Direction in which the camera looks at the model that it frames, instead of --azimuth and --elevation:
+    /// X,Y,Z or an axis such as +X or -Z.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = direction)]
     #[arg(conflicts_with_all = ["view", "azimuth", "elevation", "eye"])]
     camera_direction: Option<DVec3>,
     /// Position of the camera, instead of framing the model.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(long, alias = "camera-position", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     eye: Option<DVec3>,
     /// What the camera at --eye looks at [default: the middle of the model].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(long, alias = "camera-focal-point", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(requires = "eye")]
     target: Option<DVec3>,
-    /// What points upwards in the picture of a camera at --eye [default: the up axis]; or +X, +Y or +Z for --up-axis.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = up)]
+    /// What points upwards in the picture of a camera at --eye [default: the up axis]; or an axis, +X to -Z, for that of the
+    /// model, as with --up-axis.
+    #[arg(long, alias = "camera-view-up", value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = up)]
     up: Option<Up>,
     /// Vertical angle of view at zoom 1, degrees [default: 30].
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
+    #[arg(long, aliases = ["camera-view-angle", "view-angle"], value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
     fov: Option<f64>,
     /// Parallel projection instead of perspective.
-    #[arg(long, conflicts_with = "fov")]
+    #[arg(long, aliases = ["camera-orthographic", "parallel-projection"], conflicts_with = "fov")]
     orthographic: bool,
     /// Leaves out what is nearer to the camera than this, in the units of the model.
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = values::positive)]
@@ -213,10 +242,10 @@ impl CameraArgs {
         }
     }
 
-    fn given_axis(&self) -> Option<Axis> {
+    fn given_axis(&self) -> Option<UpAxis> {
         match self.up {
             Some(Up::Axis(axis)) => Some(axis),
-            _ => self.up_axis,
+            _ => self.up_axis.map(UpAxis::from),
         }
     }
 
@@ -233,16 +262,16 @@ impl CameraArgs {
         } else {
             Axis::Y
         };
-        Self {
-            up_axis: Some(self.given_axis().unwrap_or(usual)),
-            up: self.up_vector().map(Up::Vector),
-            ..self.clone()
-        }
+        let up_axis = match self.given_axis() {
+            Some(_) => self.up_axis,
+            None => Some(usual),
+        };
+        Self { up_axis, ..self.clone() }
     }
 
     /// The axis that points upwards.
     pub fn up_axis(&self) -> UpAxis {
-        self.given_axis().unwrap_or(Axis::Y).into()
+        self.given_axis().unwrap_or_default()
     }
 
     /// The camera that frames a box.

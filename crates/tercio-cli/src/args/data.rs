@@ -31,7 +31,7 @@ pub struct DataArgs {
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
     /// or a file with a colour a line, or ParaView's JSON [default: viridis; of categories Set1 or tab20].
-    #[arg(long, value_name = "NAME", aliases = ["cmap", "color-map"], requires = "color_by")]
+    #[arg(long, value_name = "NAME", aliases = ["cmap", "color-map", "colormap-file"], requires = "color_by")]
     colormap: Option<String>,
     /// Ends of the range: values, or percentiles such as 2%,98%; an empty one is that of the data [default: the least and the
     /// greatest finite value].
@@ -39,7 +39,7 @@ pub struct DataArgs {
     #[arg(allow_hyphen_values = true, value_parser = ends)]
     range: Option<Ends>,
     /// Spreads the logarithms of values. Those at or below 0 have none, and are painted as values below the range.
-    #[arg(long, requires = "color_by", conflicts_with = "symlog")]
+    #[arg(long, alias = "log-scale", requires = "color_by", conflicts_with = "symlog")]
     log: bool,
     /// Spreads logarithms on both sides of 0, and what is closer to 0 than a threshold evenly [default: a thousandth of the
     /// greatest absolute value of the range].
@@ -47,7 +47,8 @@ pub struct DataArgs {
     #[arg(value_parser = threshold, requires = "color_by")]
     symlog: Option<Threshold>,
     /// Bands of one colour each, 1 to 65536, in place of a smooth transition.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536), requires = "color_by")]
+    #[arg(long, aliases = ["n-colors", "colormap-discretization"], value_name = "N", requires = "color_by")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=65536))]
     bands: Option<u32>,
     /// Lines of equal value: how many, spread evenly over the range, or their values with commas (a single one ends with a comma).
     #[arg(long, value_name = "N|V1,V2", allow_hyphen_values = true, value_parser = isolines, requires = "color_by")]

@@ -92,7 +92,7 @@ pub struct DrawingArgs {
     ///
     /// A PNG with more pixels than 8192x8192, without ranks, stereo, --ao, --edl and other outputs, is drawn in bands: little
     /// memory is enough.
-    #[arg(short, long, alias = "resolution", value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
+    #[arg(short, long, aliases = ["resolution", "window-size"], value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
     pub size: (u32, u32),
     /// Where lighting is computed.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ShadingName::Phong)]

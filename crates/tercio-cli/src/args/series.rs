@@ -54,7 +54,7 @@ pub struct SeriesArgs {
     #[arg(long, value_name = "N", conflicts_with = "time")]
     step: Option<usize>,
     /// Which of the times of a collection (.pvd) is drawn: the one nearest to T.
-    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::number)]
+    #[arg(long, alias = "animation-time", value_name = "T", allow_hyphen_values = true, value_parser = values::number)]
     time: Option<f64>,
     /// Which models of a series the camera frames: all of them, which are read before the first one is drawn, so that none leaves the
     /// picture; or only the first one.

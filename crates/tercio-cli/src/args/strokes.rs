@@ -97,12 +97,12 @@ pub struct Pens {
 #[command(next_help_heading = "Lines and points")]
 pub struct StrokeArgs {
     /// What of the model is drawn; lines and points of the file always are.
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
+    #[arg(long, alias = "style", value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
     /// Several with commas: --edges=feature,silhouette. All edges of triangles, opaque and at most 4 pixels wide, are shaded with
     /// the surface, which is quick; others are strips in front of it.
-    #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
+    #[arg(long, alias = "show-edges", value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
     edges: Option<Vec<EdgesName>>,
     /// Width of lines and edges: pixels of the picture, or with a u units of the model (0.1u) [default: 1.5; edges on a

@@ -35,10 +35,11 @@ pub struct WritingArgs {
     ///
     /// WebP is lossless, and a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
     /// edges or contours as vectors, cut where they are hidden. For series {frame} or {:04} in the name stands for the number of a
-    /// picture, {view} for its view, {step} for the number of its model, and {name} for the name of its model. Films are .gif, .webp,
+    /// picture, {view} for its view, {step} for the number of its model, and {name} for the name of its model; a folder that is missing is
+    /// made for them. Films are .gif, .webp,
     /// .apng, .y4m, and .mp4, .webm, .mkv and
     /// .mov, which need ffmpeg.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, alias = "screenshot", value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,
     /// Format of the picture (png, ppm, webp or jpeg), drawing (svg or pdf) or film (gif, webp, apng, y4m, rgb, mp4 ...)

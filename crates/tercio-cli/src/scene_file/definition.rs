@@ -25,7 +25,7 @@ pub enum Class {
 /// Groups of options that are of a model.
 const GROUPS: [&str; 3] = ["Data", "Lines and points", "Clipping"];
 /// Those of other groups.
-const OF_MODEL: [&str; 20] = [
+const OF_MODEL: [&str; 21] = [
     "color",
     "no-mesh-colors",
     "opacity",
@@ -41,6 +41,7 @@ const OF_MODEL: [&str; 20] = [
     "bar-title",
     "bar-unit",
     "bar-format",
+    "bar-ticks",
     "bar-orientation",
     "translate",
     "rotate",

@@ -4,7 +4,10 @@
 //! N. Smith, S. van der Walt and E. Firing (CC0); cividis by Nuñez, Anderton and Renslow (2018); turbo by A. Mikhailov (2019,
 //! Apache 2.0); twilight by B. Bechtold (CC0); coolwarm by K. Moreland (2009); those of ColorBrewer by C. Brewer (Apache 2.0);
 //! cubehelix by D. Green (2011); okabe_ito by Okabe and Ito (2008); the rest after MATLAB, gnuplot, Yorick and Tableau.
-//! `rainbow_desaturated` is ParaView's (BSD).
+//! twilight_shifted, flag and prism are matplotlib's, too; berlin, managua and vanimo by F. Crameri (2018), as matplotlib has them.
+//! `rainbow_desaturated`, `cold_and_hot`, `rainbow_uniform` (C. Ware), `fast` (F. Samsel, A. W. Scott) and `cool_to_warm_extended`
+//! (F. Samsel) are ParaView's (BSD, `Remoting/Views/ColorMaps.json`); the last two, which it interpolates in CIELAB, have colours
+//! between their own.
 //!
 //! A line is a name, what it is, and its colours: evenly spaced, six digits each, or with their positions.
 
@@ -37,11 +40,11 @@ impl ColorMap {
         MAPS.lines().filter_map(|line| line.split(' ').next())
     }
 
-    /// The map of this name. Names of matplotlib and many of ParaView are known; capitals, spaces, hyphens and underlines do not
-    /// matter. `_r` at the end reverses it.
+    /// The map of this name. Names of matplotlib and many of ParaView are known; capitals, spaces, hyphens, underlines and
+    /// parentheses do not matter. `_r` at the end reverses it.
     pub fn named(name: &str) -> Option<Self> {
         let plain = |name: &str| -> String {
-            let letters = name.chars().filter(|c| !matches!(c, ' ' | '-' | '_'));
+            let letters = name.chars().filter(|c| !matches!(c, ' ' | '-' | '_' | '(' | ')'));
             letters.flat_map(char::to_lowercase).collect()
         };
         let name = name.strip_suffix(" (matplotlib)").unwrap_or(name).trim();

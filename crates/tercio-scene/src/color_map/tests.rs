@@ -68,6 +68,14 @@ fn names_of_other_programs_are_known() {
         assert_eq!(ColorMap::named(name), ColorMap::named(same), "{name}");
         assert!(ColorMap::named(name).is_some(), "{name}");
     }
+    for name in
+        ["Fast", "Cool to Warm (Extended)", "Rainbow Uniform", "Cold and Hot", "twilight_shifted_r", "vanimo"]
+    {
+        assert!(ColorMap::named(name).is_some(), "{name}");
+    }
+    // The ends and the middle of ParaView's list, in 8 bits.
+    let fast = ColorMap::named("Fast").expect("known");
+    assert_eq!([0.0, 0.5, 1.0].map(|t| rounded(fast.at(t))), [[14, 14, 120], [229, 241, 196], [150, 20, 30]]);
     assert_eq!([ColorMap::named("viridi"), ColorMap::named(""), ColorMap::named("_r")], [None, None, None]);
 }
 

@@ -31,7 +31,14 @@ fn spread(camera: &Camera, aspect: f64, bounds: &Aabb) -> [f64; 4] {
 }
 
 fn up_axis() -> impl Strategy<Value = UpAxis> {
-    prop_oneof![Just(UpAxis::X), Just(UpAxis::Y), Just(UpAxis::Z)]
+    prop_oneof![
+        Just(UpAxis::X),
+        Just(UpAxis::Y),
+        Just(UpAxis::Z),
+        Just(UpAxis::NegX),
+        Just(UpAxis::NegY),
+        Just(UpAxis::NegZ)
+    ]
 }
 
 prop_compose! {

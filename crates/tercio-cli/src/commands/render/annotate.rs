@@ -21,8 +21,8 @@ pub(super) struct Annotated {
     pub shot: usize,
     /// The box of the model.
     pub bounds: [DVec3; 2],
-    /// The number of the axis that points upwards.
-    pub up: usize,
+    /// The axis that points upwards.
+    pub up: DVec3,
 }
 
 impl Annotated {

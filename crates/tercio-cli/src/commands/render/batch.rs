@@ -46,6 +46,7 @@ impl Render {
         let named = |files, item: &Item| item.render.named_files(&item.job, files);
         let files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
         files.check()?;
+        files.make_folders()?;
         files.check_places()?;
         items[0].job.writing.check_film()?;
         let files = Arc::new(files);

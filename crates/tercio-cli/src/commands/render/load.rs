@@ -28,8 +28,8 @@ use crate::{ending, memory};
 
 /// Do two scalar bars show the same?
 fn is_same(a: &ScalarBar, b: &ScalarBar) -> bool {
-    (&a.colors, &a.title, a.format, a.place, a.is_upright)
-        == (&b.colors, &b.title, b.format, b.place, b.is_upright)
+    (&a.colors, &a.title, a.format, a.place, a.is_upright, &a.marks)
+        == (&b.colors, &b.title, b.format, b.place, b.is_upright, &b.marks)
 }
 
 /// A model that was read, perhaps for several models of the picture.
@@ -193,13 +193,13 @@ impl Render {
             subject.add_outline(outline);
         }
         let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
-        let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };
+        let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: DVec3::Y };
         let cameras =
             self.cameras(&job.motion, &camera, (&scene, &subject), &annotated.of_picture(), parts)?;
         drop(subject);
         let bounds = models.iter().fold(scene.bounds(), |bounds, model| bounds.union(model.stroke_bounds()));
         annotated.bounds = [bounds.min, bounds.max];
-        annotated.up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
+        annotated.up = up;
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(scene.instances.first());
         if let Some(camera) = cameras.first().and_then(|cameras| cameras.views.first()) {

@@ -265,6 +265,9 @@ impl Render {
                 pool.install(|| mpi::run(work))?
             }
             _ => {
+                if job.motion.is_series() {
+                    job.writing.files.make_folders()?;
+                }
                 job.writing.files.check_places()?;
                 job.writing.check_film()?;
                 let display = Display::new(self.running.progress_mode());

@@ -125,8 +125,9 @@ impl Sheet {
         if !render.running.quiet {
             let of_failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
             let (drawn, seconds) = (counted((all - failed) as u64, "model"), start.elapsed().as_secs_f64());
+            let pictures = counted(count as u64, "picture");
             messages::note(&format!(
-                "{drawn} of {all} drawn{of_failed}, {count} pictures on a sheet of {}x{}, in {seconds:.1} s",
+                "{drawn} of {all} drawn{of_failed}, {pictures} on a sheet of {}x{}, in {seconds:.1} s",
                 picture.width, picture.height
             ));
         }

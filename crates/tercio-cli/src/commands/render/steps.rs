@@ -54,6 +54,7 @@ impl Render {
         models.dedup();
         let files = models[1..].iter().fold(files, |files, model| files.reads_model(model));
         files.check()?;
+        files.make_folders()?;
         files.check_places()?;
         let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };
         job.writing.check_film()?;
