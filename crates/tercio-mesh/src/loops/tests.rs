@@ -189,7 +189,7 @@ fn elements_that_nobody_asks_for_are_dropped() {
 
 #[test]
 fn chunks_of_elements_without_size() {
-    let list = vec![(); usize::MAX];
+    let list = [(); usize::MAX];
     let lengths: Vec<usize> = list.par_chunks(usize::MAX - 1).map(<[()]>::len).collect();
     assert_eq!(lengths, [usize::MAX - 1, 1]);
 }
