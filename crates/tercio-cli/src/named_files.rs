@@ -1,6 +1,7 @@
 //! The files that a command line names. The rule for all commands: no output is an input or another output.
 
 use std::collections::{HashMap, HashSet};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -147,21 +148,39 @@ impl NamedFiles {
         }
     }
 
-    /// Makes the folders of outputs that are missing inside of folders that there are: those of many pictures.
+    /// Makes the folders of outputs that are missing inside of folders that there are: those of many pictures. Then files in them
+    /// have an identity, and are [checked](Self::check).
     ///
     /// # Errors
-    /// The first that cannot be made.
-    pub fn make_folders(&self) -> Result<()> {
+    /// The first folder that cannot be made; those of the check, then no folder stays.
+    pub fn make_folders(&mut self) -> Result<()> {
+        let mut made = Vec::new();
         for (_, destination) in &self.written {
             let Destination::File(path) = destination else { continue };
             let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) else {
                 continue;
             };
             let above = folder.parent().is_some_and(|above| above.as_os_str().is_empty() || above.is_dir());
-            if !folder.exists() && above {
-                std::fs::create_dir(folder).with_context(|| format!("folder {}", folder.display()))?;
+            if folder.exists() || !above {
+                continue;
             }
+            match std::fs::create_dir(folder) {
+                // Another run has made it.
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
+                result => result.with_context(|| format!("folder {}", folder.display()))?,
+            }
+            made.push(folder.to_owned());
         }
+        if made.is_empty() {
+            return Ok(());
+        }
+        for (named, destination) in &mut self.written {
+            named.identity = FileIdentity::from_destination(destination);
+        }
+        self.check().inspect_err(|_| {
+            // One that is not empty is somebody else's.
+            made.iter().for_each(|folder| drop(std::fs::remove_dir(folder)));
+        })?;
         Ok(())
     }
 

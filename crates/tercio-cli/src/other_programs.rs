@@ -8,7 +8,7 @@ use std::ffi::{OsStr, OsString};
 use tercio::annotate::Place;
 
 /// Switches that F3D and PyVista also take with `=true` and `=false`.
-const SWITCHES: [&str; 14] = [
+const SWITCHES: [&str; 15] = [
     "axis",
     "bar",
     "camera-orthographic",
@@ -21,6 +21,7 @@ const SWITCHES: [&str; 14] = [
     "point-sprites",
     "scalar-coloring",
     "show-edges",
+    "show-scalar-bar",
     "translucency-support",
     "watch",
 ];
@@ -50,7 +51,14 @@ pub fn translated(arguments: Vec<OsString>) -> Vec<OsString> {
             all.push(argument);
             continue;
         };
+        if let ("bar" | "show-scalar-bar", Some("false")) = (&*name, value.as_deref()) {
+            all.push("--no-bar".into());
+            continue;
+        }
         if let (true, Some("false")) = (SWITCHES.contains(&&*name), value.as_deref()) {
+            continue;
+        }
+        if (&*name, value.as_deref()) == ("bar", Some("true")) {
             continue;
         }
         let value = value.filter(|value| !(SWITCHES.contains(&&*name) && value == "true"));
@@ -315,6 +323,10 @@ mod tests {
             ("--color-by v x --coloring-component=2", "--color-by v:2 x"),
             ("--bar --color-by p x", "--color-by p x"),
             ("--bar left x", "--bar left x"),
+            ("--bar=true x", "x"),
+            ("--bar=false x", "--no-bar x"),
+            ("--show-scalar-bar=false x", "--no-bar x"),
+            ("--show_scalar_bar=true x", "x"),
             ("--no-background -- --off-screen", "--background=transparent -- --off-screen"),
             ("--title a_b --edges=feature", "--title a_b --edges=feature"),
         ];

@@ -70,6 +70,18 @@ impl Doubles {
         if is_better && (spread as f32).is_finite() { self.least } else { 0.0 }
     }
 
+    /// The offset of values with this name. Those of a part of a model have none, with a warning where that is seen: one that each rank
+    /// chose from its own values would make pictures depend on the number of ranks.
+    pub fn offset_for(&self, name: &str, is_part: bool) -> (f64, Option<String>) {
+        let offset = self.offset();
+        if !is_part || offset == 0.0 {
+            return (offset, None);
+        }
+        let is_seen = self.most > self.least;
+        let text = || format!("values of {name:?} are rounded to 24 bits, as all are of a model in parts");
+        (0.0, is_seen.then(text))
+    }
+
     /// The warning that they are whole, and some of them are rounded in spite of the offset. Beyond 2^53 every `f64` is whole, so
     /// that only the type tells.
     pub fn warning(&self, name: &str, are_integers: bool) -> Option<String> {

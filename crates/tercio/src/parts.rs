@@ -247,15 +247,8 @@ fn finish(
     )?;
     // Some files may have numbers of polygons and others not; parts have no edges, which alone need them.
     mesh.attributes.retain(|a| !Attribute::is_polygon(&a.name, a.domain));
-    // Offsets that each rank chooses from its own values would make pictures depend on the number of ranks.
-    for attribute in mesh.attributes.iter_mut().filter(|a| a.offset != 0.0) {
-        attribute.set_offset(0.0);
-        let name = &attribute.name;
-        report
-            .read
-            .warnings
-            .push(format!("values of {name:?} are rounded to 24 bits, as all are of a model in parts"));
-    }
+    // Readers choose none for parts: those that each rank chose from its own values would make pictures depend on their number.
+    mesh.attributes.iter_mut().for_each(|a| a.set_offset(0.0));
     check_arrays(comm, &mesh)?;
     let step = Instant::now();
     let joined = seam::join(comm, &mut mesh, &numbers)?;

@@ -84,6 +84,9 @@ pub struct DataArgs {
     /// Of the series that the model belongs to.
     #[arg(skip)]
     of_series: Option<Statistics>,
+    /// Whether doubts were reported with an earlier model of the series.
+    #[arg(skip)]
+    are_doubts_known: bool,
 }
 
 /// `--range-over`.
@@ -360,6 +363,12 @@ impl DataArgs {
         Ok(survey)
     }
 
+    /// These options for a model of a series behind the first, whose doubts are not repeated.
+    #[must_use]
+    pub fn behind_the_first(self) -> Self {
+        Self { are_doubts_known: true, ..self }
+    }
+
     /// These options for a model of a series of which that is known.
     #[must_use]
     pub fn of_series(&self, survey: &Survey) -> Self {
@@ -414,7 +423,8 @@ impl DataArgs {
             let by = &options.by;
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
-        let notes = data.colors().map(|colors| doubts(&options, colors, &statistics)).unwrap_or_default();
+        let colors = data.colors().filter(|_| !self.are_doubts_known);
+        let notes = colors.map(|colors| doubts(&options, colors, &statistics)).unwrap_or_default();
         instance.data = data.surface;
         Ok((data.strokes, notes))
     }

@@ -240,6 +240,8 @@ impl DataOptions {
             (None, Some(name::Found::Values(source))) => source.offset(&strokes::layout(strokes)),
             (None, _) => 0.0,
         };
+        // Categories are compared with those of other steps: what is not whole is rounded alike in all of them.
+        let offset = if self.categories.is_some() && offset.fract() != 0.0 { 0.0 } else { offset };
         let mut others = match &on_strokes {
             Some(name::Found::Values(source)) => {
                 Some(strokes::values(source, strokes, &instance.world_from_object, offset))

@@ -151,13 +151,18 @@ pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f64 {
     values.offset + f64::from(value(upper << 16 | lower))
 }
 
-/// What values are best less when they become colours of a range: `of_values`, which the values are less, or 0 where the range is so
-/// wide that rounding full numbers to `f32` cannot be seen.
+/// What values are best less when they become colours of a range: `of_values`, which the values are less; 0 where rounding full
+/// numbers to `f32` cannot be seen; the lower end of a range that `f32` does not hold or that is far from the values.
 pub(super) fn offset_of_colors([low, high]: [f64; 2], of_values: f64, is_linear: bool) -> f64 {
     // Logarithms are even enough only in a range that is narrower still.
     let wide = if is_linear { 1.0 / 512.0 } else { 1.0 / 4096.0 };
-    if of_values == 0.0 || !(high - low < low.abs().max(high.abs()) * wide) {
+    if !(high - low < low.abs().max(high.abs()) * wide) {
         return 0.0;
+    }
+    if of_values == 0.0 {
+        // Values that f32 holds, in a range that it may not: that of other steps, or a given one.
+        let rounding = [low, high].map(|end| (end - f64::from(end as f32)).abs());
+        return if rounding[0].max(rounding[1]) > (high - low) / 65536.0 { low } else { 0.0 };
     }
     // A narrow range that is far from the values.
     if (low - of_values) as f32 == (high - of_values) as f32 { low } else { of_values }

@@ -44,7 +44,7 @@ impl Render {
         }
         let items = models.iter().map(|model| self.item(model)).collect::<Result<Vec<_>>>()?;
         let named = |files, item: &Item| item.render.named_files(&item.job, files);
-        let files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
+        let mut files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
         files.check()?;
         files.make_folders()?;
         files.check_places()?;

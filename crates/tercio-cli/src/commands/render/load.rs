@@ -11,7 +11,7 @@ use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
 use tercio::raster::Outputs;
 use tercio::raster::frame::fragments::fragment_bytes;
-use tercio::scene::{Background, Instance, Light, Scene, scene::Share};
+use tercio::scene::{Background, DataColors, Instance, Light, Scene, scene::Share};
 use tercio::{LoadOptions, LoadedPart, band_bytes};
 
 use super::annotate::Annotated;
@@ -28,8 +28,11 @@ use crate::{ending, memory};
 
 /// Do two scalar bars show the same?
 fn is_same(a: &ScalarBar, b: &ScalarBar) -> bool {
-    (&a.colors, &a.title, a.format, a.place, a.is_upright, &a.marks)
-        == (&b.colors, &b.title, b.format, b.place, b.is_upright, &b.marks)
+    // What values are stored less is not seen.
+    let drawn = |bar: &ScalarBar| DataColors { offset: 0.0, ..bar.colors.clone() };
+    let words =
+        |bar: &ScalarBar| (bar.title.clone(), bar.format, bar.place, bar.is_upright, bar.marks.clone());
+    drawn(a) == drawn(b) && words(a) == words(b)
 }
 
 /// A model that was read, perhaps for several models of the picture.

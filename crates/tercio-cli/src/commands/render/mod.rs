@@ -253,8 +253,11 @@ impl Render {
     fn run_one(&self) -> Result<ExitCode> {
         let start = Instant::now();
         let job = self.job(&[])?;
-        let files = self.saved_files(self.named_files(&job, NamedFiles::default()));
+        let mut files = self.saved_files(self.named_files(&job, NamedFiles::default()));
         files.check()?;
+        if job.motion.is_series() && !matches!(job.drawers, Drawers::Mpi(_)) {
+            files.make_folders()?;
+        }
         let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
@@ -265,9 +268,6 @@ impl Render {
                 pool.install(|| mpi::run(work))?
             }
             _ => {
-                if job.motion.is_series() {
-                    job.writing.files.make_folders()?;
-                }
                 job.writing.files.check_places()?;
                 job.writing.check_film()?;
                 let display = Display::new(self.running.progress_mode());

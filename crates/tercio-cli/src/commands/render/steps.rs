@@ -52,7 +52,7 @@ impl Render {
         let mut models: Vec<PathBuf> = steps.iter().map(|step| step.model.clone()).collect();
         // The times of a collection are one file.
         models.dedup();
-        let files = models[1..].iter().fold(files, |files, model| files.reads_model(model));
+        let mut files = models[1..].iter().fold(files, |files, model| files.reads_model(model));
         files.check()?;
         files.make_folders()?;
         files.check_places()?;
@@ -77,7 +77,10 @@ impl Render {
         let silent = Display::new(ProgressMode::Never);
         let (mut first, mut loads) = (None, Vec::new());
         for (number, model) in steps.iter().enumerate() {
-            let step = self.with_model(model).of_series(&of_series);
+            let mut step = self.with_model(model).of_series(&of_series);
+            if number > 0 {
+                step.data = step.data.behind_the_first();
+            }
             ending::name_model(step.model.name());
             let mut loaded = step.load(job, &silent, None::<&mut mpi::Comm>)?;
             step.print_warnings(&loaded.reports);
@@ -117,9 +120,11 @@ impl Render {
             return Err(UsageError(text).into());
         }
         if let Some(name) = once(&steps[..framed]) {
-            warning(&format!(
-                "{name} can be read only once: the first model is framed, not all of the series"
-            ));
+            if !self.running.quiet {
+                warning(&format!(
+                    "{name} can be read only once: the first model is framed, not all of the series"
+                ));
+            }
             framed = 0;
         }
         if with_data.max(framed) == 0 {

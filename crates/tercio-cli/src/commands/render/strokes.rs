@@ -71,7 +71,7 @@ impl Render {
             let name = self.model.name();
             bail!("{name}: --mode points shows data of vertices, those of --color-by are at faces");
         }
-        if self.strokes.has_edges() {
+        if self.strokes.has_edges() && !self.is_measured {
             let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
             self.check_memory(taken, needed)?;
             drawable.edges = self.strokes.edges_of(&model.mesh);
@@ -85,7 +85,7 @@ impl Render {
                 drawable.glyphs.push(glyphs.with_context(|| self.model.name())?);
             }
         }
-        if let Some(glyphs) = drawable.glyphs.first().filter(|_| self.running.verbose) {
+        if let Some(glyphs) = drawable.glyphs.first().filter(|_| self.running.verbose && !self.is_measured) {
             messages::note(&told(glyphs));
         }
         Ok(())

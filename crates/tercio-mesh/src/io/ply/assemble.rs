@@ -159,7 +159,8 @@ fn narrow(job: &Job, name: &str, values: Vec<f64>) -> Result<(Vec<f32>, f64), Re
     job.reserve("values", 4 * values.len() as u64)?;
     let doubles = Doubles::of(&values);
     doubles.warning(name, false).into_iter().for_each(|warning| job.warn(warning));
-    let offset = doubles.offset();
+    let (offset, warning) = doubles.offset_for(name, job.options.is_part);
+    warning.into_iter().for_each(|warning| job.warn(warning));
     Ok((values.par_iter().with_min_len(1 << 12).map(|&value| stored(value, offset)).collect(), offset))
 }
 

@@ -230,7 +230,8 @@ fn attributes(
     for component in 0..array.components {
         let doubles = array.numbers.doubles(component, array.components);
         warning = warning.or_else(|| doubles.warning(&array.name, !array.numbers.scalar.is_real()));
-        let offset = doubles.offset();
+        let (offset, of_part) = doubles.offset_for(&array.name, job.options.is_part);
+        warning = warning.or(of_part);
         let values = array.numbers.component(component, array.components, elements, offset);
         let name = Attribute::component_name(&array.name, component, array.components);
         to.push(Attribute { name, domain, values, offset });

@@ -34,13 +34,16 @@ pub fn meaning(
             7 => Some(1),
             _ => None,
         };
-        let are = |from: usize, is: fn(&f32) -> bool, rest: &[(String, Vec<f32>)]| {
+        // Numbers that are stored less an offset are neither colours nor components of normals.
+        let are = |from: usize, is: fn(&f32) -> bool, rest: &[(String, Vec<f32>)], all: &[Doubles]| {
             rest.get(from..from + 3).is_some_and(|three| three.iter().all(|(_, v)| v.iter().all(is)))
+                && all[from..from + 3].iter().all(|doubles| doubles.offset() == 0.0)
         };
         let is_byte: fn(&f32) -> bool = |v| (0.0..=255.0).contains(v) && v.fract() == 0.0;
         // Bytes of colours are not all 0 or 1; normals along the axes are.
         let is_small: fn(&f32) -> bool = |v| *v <= 1.0;
-        let are_colors = |first: usize| are(first, is_byte, &rest) && !are(first, is_small, &rest);
+        let are_colors =
+            |first: usize| are(first, is_byte, &rest, &all) && !are(first, is_small, &rest, &all);
         if let Some(first) = first.filter(|&first| are_colors(first)) {
             all.drain(first..first + 3);
             for (k, (_, values)) in rest.drain(first..first + 3).enumerate() {
@@ -49,8 +52,8 @@ pub fn meaning(
         }
         let is_short: fn(&f32) -> bool = |v| v.abs() <= 1.001;
         let has_normals = match (count, rest.len()) {
-            (6, 3) => are(0, is_short, &rest),
-            (9 | 10, 3 | 4) => are(rest.len() - 3, is_short, &rest),
+            (6, 3) => are(0, is_short, &rest, &all),
+            (9 | 10, 3 | 4) => are(rest.len() - 3, is_short, &rest, &all),
             _ => false,
         };
         let plain = if has_normals { rest.len() - 3 } else { rest.len() };
