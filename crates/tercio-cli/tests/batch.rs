@@ -59,6 +59,13 @@ fn the_folder_of_many_pictures_is_made() {
     assert!(place.path("thumbs/a.png").is_file() && place.path("thumbs/b.png").is_file());
     place.run(&format!("render a.off -o turn/{{}}.png --turntable 2 --quiet {SMALL}")).ok_silently();
     assert!(place.path("turn/0.png").is_file());
+    // Nothing is made for pictures that would replace each other.
+    std::fs::create_dir(place.path("c")).unwrap();
+    std::fs::copy(place.path("a.off"), place.path("c/a.off")).unwrap();
+    let run = format!("render a.off c/a.off -o new/{{name}}.png {SMALL}");
+    place.run(&run).failed(2, &["same file"]);
+    assert!(!place.path("new").exists());
+    place.run(&run.replace("new/", "thumbs/")).failed(2, &["same file"]);
 }
 
 /// A picture of one model is drawn before a texture of another one is read.

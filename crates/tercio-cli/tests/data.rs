@@ -155,6 +155,42 @@ fn numbers_of_64_bits_keep_their_differences() {
 }
 
 #[test]
+fn the_first_step_of_a_series_may_be_constant() {
+    let place = Place::new();
+    let model = |values: [&str; 3]| {
+        let points = ["0 0 0", "1 0 0", "0 1 0"].iter().zip(values).map(|(p, v)| format!("{p} {v}\n"));
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty double p\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n{}3 0 1 2\n",
+            points.collect::<String>()
+        )
+    };
+    for [constant, more] in [["1000000000", "1000000003"], ["1013.25", "1013.25002"]] {
+        fs::write(place.path("s0.ply"), model([constant; 3])).unwrap();
+        fs::write(place.path("s1.ply"), model([constant, more, more])).unwrap();
+        let run = format!("render s0.ply s1.ply -o s{{step}}.png --color-by p -q {VIEW}");
+        place.run(&run).ok_silently();
+        // The first has the lowest colour in the range of both.
+        let alone = format!("render s0.ply -o alone.png --color-by p --range {constant},{more} -q {VIEW}");
+        place.run(&alone).ok_silently();
+        assert!(place.read("s0.png") == place.read("alone.png"), "{constant}");
+        let with_colors = place.read("s0.png");
+        place.run(&format!("render s0.ply -o alone.png -q {VIEW}")).ok_silently();
+        assert!(with_colors != place.read("alone.png"));
+    }
+    // A value has one category in all steps.
+    fs::write(place.path("s0.ply"), model(["0.1"; 3])).unwrap();
+    fs::write(place.path("s1.ply"), model(["0.1", "0.2", "0.2"])).unwrap();
+    place
+        .run(&format!(
+            "render s0.ply s1.ply -o s{{step}}.png --color-by p --categories --stats s.json -q {VIEW}"
+        ))
+        .ok_silently();
+    let stats = String::from_utf8(place.read("s.json")).unwrap();
+    assert_eq!(stats.matches("\"label\": \"0.1\"").count(), 1, "{stats}");
+}
+
+#[test]
 fn the_picture_does_not_depend_on_how_it_is_drawn() {
     let place = Place::new();
     let model = "render builtin:terrain@2k --color-by @elevation --isolines 7 --bands 12 --size 120x90 -q";

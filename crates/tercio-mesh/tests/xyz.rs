@@ -65,6 +65,13 @@ fn columns_without_names_mean_what_their_number_and_values_say() {
     let normal =
         [("normal:0", &[0.0, -1.0, 0.0][..]), ("normal:1", &[0.6, 0.0, 0.0]), ("normal:2", &[0.8, 0.0, 1.0])];
     assert_eq!((model.strokes.colors.is_none(), attributes(&model)), (true, normal.to_vec()));
+    // Numbers that are stored less an offset.
+    let model = read(&lines(["1700000000 2 3", "1700000001 3 4", "1700000100 2 5"]));
+    assert_eq!((model.strokes.colors.is_none(), attributes(&model)[0].0), (true, "value:0"));
+    let model = read(&lines(["5.3 7.1 9.9"; 3]));
+    assert_eq!(attributes(&model)[0].0, "value:0");
+    let model = read(&lines(["0.6 0.64 0.48"; 3]));
+    assert_eq!(attributes(&model)[0].0, "normal:0");
     // Along the axes.
     let model = read(&lines(["0 0 1", "0 1 0", "1 0 0"]));
     assert_eq!((model.strokes.colors.is_none(), attributes(&model)[0].0), (true, "normal:0"));

@@ -34,10 +34,12 @@ pub fn meaning(
             7 => Some(1),
             _ => None,
         };
-        // Numbers that are stored less an offset are neither colours nor components of normals.
+        // Of the numbers as they are in the file, not less an offset.
         let are = |from: usize, is: fn(&f32) -> bool, rest: &[(String, Vec<f32>)], all: &[Doubles]| {
-            rest.get(from..from + 3).is_some_and(|three| three.iter().all(|(_, v)| v.iter().all(is)))
-                && all[from..from + 3].iter().all(|doubles| doubles.offset() == 0.0)
+            let column = |((_, values), doubles): (&(String, Vec<f32>), &Doubles)| {
+                values.iter().all(|&v| is(&((doubles.offset() + f64::from(v)) as f32)))
+            };
+            rest.get(from..from + 3).is_some_and(|three| three.iter().zip(&all[from..]).all(column))
         };
         let is_byte: fn(&f32) -> bool = |v| (0.0..=255.0).contains(v) && v.fract() == 0.0;
         // Bytes of colours are not all 0 or 1; normals along the axes are.
