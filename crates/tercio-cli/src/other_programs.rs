@@ -104,7 +104,8 @@ fn option(argument: &OsStr) -> Option<(String, Option<String>)> {
 /// A value of `--bar`, or something that is meant to be one.
 fn is_place(argument: &OsStr) -> bool {
     let text = argument.to_string_lossy();
-    Place::named(&text).is_some() || !text.starts_with('-') && !text.contains('.')
+    let are_numbers = text.contains(',') && text.split(',').all(|part| part.parse::<f64>().is_ok());
+    Place::named(&text).is_some() || are_numbers || !text.starts_with('-') && !text.contains('.')
 }
 
 /// Adds a component of F3D to the name of the attribute: its number, -1 for the magnitude, -2 for colours.

@@ -135,8 +135,8 @@ fn numbers_of_64_bits_keep_their_differences() {
     fs::write(place.path("a.ply"), MODEL).unwrap();
     fs::write(place.path("d.ply"), DOUBLES).unwrap();
     let info = place.run("info d.ply").ok_silently();
-    assert!(info.text().contains("id (vertices): 16777217 to 16777219"), "{}", info.text());
-    assert!(info.text().contains("q (vertices): 1000000000 to 1000000000.008"), "{}", info.text());
+    assert!(info.text().contains("id (vertex): 16777217 to 16777219"), "{}", info.text());
+    assert!(info.text().contains("q (vertex): 1000000000 to 1000000000.008"), "{}", info.text());
     let draw = |model: &str, options: &str| {
         place.run(&format!("render {model} -o a.ppm -q {VIEW} --color-by {options}")).ok_silently();
         place.read("a.ppm")
@@ -187,7 +187,8 @@ fn the_first_step_of_a_series_may_be_constant() {
         ))
         .ok_silently();
     let stats = String::from_utf8(place.read("s.json")).unwrap();
-    assert_eq!(stats.matches("\"label\": \"0.1\"").count(), 1, "{stats}");
+    let count = |label: &str| stats.matches(&format!("\"label\": \"{label}")).count();
+    assert!(count("0.1") > 0 && count("0.1") == count("0.2"), "{stats}");
 }
 
 #[test]

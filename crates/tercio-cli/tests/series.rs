@@ -264,7 +264,7 @@ fn copies_and_glyphs_of_all_steps_are_framed() {
     let input = of("t0.vtk");
     let piped =
         place.run_with_input(&format!("render - t2.vtk -o q{{step}}.png --view front {SMALL}"), &input);
-    assert!(piped.text().contains("standard input can be read only once"), "{}", piped.text());
+    assert!(piped.stderr.contains("standard input can be read only once"), "{}", piped.stderr);
     place.run(&format!("render t0.vtk -o alone.png --view front {SMALL}")).ok_silently();
     assert!(of("q0.png") == of("alone.png"));
     let colored = format!("render - t2.vtk -o q{{step}}.png --color-by v {SMALL}");

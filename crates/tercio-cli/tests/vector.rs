@@ -187,7 +187,8 @@ fn contours_are_bands_with_lines_between() {
     // All of it is in the picture.
     let camera = "--orthographic --eye 4,4,20 --target 4,4,0 --size 200x180 --no-bar";
     let options = "--mode contours --color-by x --bands 4 --edges=boundary";
-    place.run(&format!("render sheet.vtk -o a.svg {options} {camera}")).ok_silently();
+    let drawn = place.run(&format!("render sheet.vtk -o a.svg {options} {camera}"));
+    assert!(drawn.code == Some(0) && drawn.stderr.contains("leaves out the bands"), "{}", drawn.stderr);
     let svg = String::from_utf8(place.read("a.svg")).unwrap();
     let all = pieces(&svg);
     // Three lines from side to side, at 2, 4 and 6, and the boundary.
