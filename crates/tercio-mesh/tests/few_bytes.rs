@@ -55,7 +55,7 @@ fn pieces_with_very_many_attributes_are_joined() {
     let points =
         "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>0 0 0</DataArray></Points>";
     let data = "<PointData><DataArray type='UInt8' Name='a' NumberOfComponents='65536' format='appended' offset='0'/></PointData>";
-    let piece = format!("<Piece NumberOfPoints='1'>{points}{data}</Piece>");
+    let piece = format!("<Piece NumberOfPoints='2'>{points}{data}</Piece>");
     let before = format!(
         "<VTKFile type='PolyData' byte_order='LittleEndian' header_type='UInt32' compressor='vtkZLibDataCompressor'><PolyData>\
          {piece}{piece}</PolyData><AppendedData encoding='raw'>_"
@@ -79,10 +79,9 @@ fn places_and_warnings_of_many_arrays() {
     // Those after the first are of arrays that were warned of before, which are not counted again.
     for number in (0..100).chain(0..100) {
         let _ =
-            writeln!(text, "<DataArray type='Int32' Name='a{number}' format='ascii'>16777217</DataArray>");
+            writeln!(text, "<DataArray type='Int32' Name='a{number}' format='ascii'>0 33554433</DataArray>");
     }
-    let points =
-        "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>0 0 0</DataArray></Points>";
+    let points = "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>0 0 0 1 1 1</DataArray></Points>";
     let whole = format!("{text}</PointData>\n{points}\n</Piece></PolyData></VTKFile>");
     let model = try_read(whole.as_bytes(), 64 << 20).unwrap_or_else(|e| panic!("{e}"));
     let warnings = &model.report.warnings;
@@ -91,7 +90,7 @@ fn places_and_warnings_of_many_arrays() {
         "{warnings:?}"
     );
     for (from, to, line) in
-        [("'a41' format='ascii'>16777217", "'a41' format='ascii'>x", 45), (">0 0 0<", ">0 y 0<", 205)]
+        [("'a41' format='ascii'>0", "'a41' format='ascii'>x", 45), (">0 0 0 1", ">0 y 0 1", 205)]
     {
         let error = try_read(whole.replace(from, to).as_bytes(), 64 << 20).expect_err(to).to_string();
         assert!(error.starts_with(&format!("a: line {line}: ")), "{error}");

@@ -4,7 +4,7 @@
 //! N. Smith, S. van der Walt and E. Firing (CC0); cividis by Nuñez, Anderton and Renslow (2018); turbo by A. Mikhailov (2019,
 //! Apache 2.0); twilight by B. Bechtold (CC0); coolwarm by K. Moreland (2009); those of ColorBrewer by C. Brewer (Apache 2.0);
 //! cubehelix by D. Green (2011); okabe_ito by Okabe and Ito (2008); the rest after MATLAB, gnuplot, Yorick and Tableau.
-//! twilight_shifted, flag and prism are matplotlib's, too; berlin, managua and vanimo by F. Crameri (2018), as matplotlib has them.
+//! twilight_shifted is matplotlib's, too; berlin, managua and vanimo by F. Crameri (2018), as matplotlib has them.
 //! `rainbow_desaturated`, `cold_and_hot`, `rainbow_uniform` (C. Ware), `fast` (F. Samsel, A. W. Scott) and `cool_to_warm_extended`
 //! (F. Samsel) are ParaView's (BSD, `Remoting/Views/ColorMaps.json`); the last two, which it interpolates in CIELAB, have colours
 //! between their own.
