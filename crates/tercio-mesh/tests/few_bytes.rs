@@ -55,7 +55,7 @@ fn pieces_with_very_many_attributes_are_joined() {
     let points =
         "<Points><DataArray type='Float32' NumberOfComponents='3' format='ascii'>0 0 0</DataArray></Points>";
     let data = "<PointData><DataArray type='UInt8' Name='a' NumberOfComponents='65536' format='appended' offset='0'/></PointData>";
-    let piece = format!("<Piece NumberOfPoints='2'>{points}{data}</Piece>");
+    let piece = format!("<Piece NumberOfPoints='1'>{points}{data}</Piece>");
     let before = format!(
         "<VTKFile type='PolyData' byte_order='LittleEndian' header_type='UInt32' compressor='vtkZLibDataCompressor'><PolyData>\
          {piece}{piece}</PolyData><AppendedData encoding='raw'>_"
@@ -74,7 +74,7 @@ fn pieces_with_very_many_attributes_are_joined() {
 #[test]
 fn places_and_warnings_of_many_arrays() {
     let mut text = String::from(
-        "<VTKFile type='PolyData' byte_order='LittleEndian'><PolyData>\n<Piece NumberOfPoints='1'>\n<PointData>\n",
+        "<VTKFile type='PolyData' byte_order='LittleEndian'><PolyData>\n<Piece NumberOfPoints='2'>\n<PointData>\n",
     );
     // Those after the first are of arrays that were warned of before, which are not counted again.
     for number in (0..100).chain(0..100) {
