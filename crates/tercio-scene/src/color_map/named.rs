@@ -5,9 +5,9 @@
 //! Apache 2.0); twilight by B. Bechtold (CC0); coolwarm by K. Moreland (2009); those of ColorBrewer by C. Brewer (Apache 2.0);
 //! cubehelix by D. Green (2011); okabe_ito by Okabe and Ito (2008); the rest after MATLAB, gnuplot, Yorick and Tableau.
 //! twilight_shifted is matplotlib's, too; berlin, managua and vanimo by F. Crameri (2018), as matplotlib has them.
-//! `rainbow_desaturated`, `cold_and_hot`, `rainbow_uniform` (C. Ware), `fast` (F. Samsel, A. W. Scott) and `cool_to_warm_extended`
-//! (F. Samsel) are ParaView's (BSD, `Remoting/Views/ColorMaps.json`); the last two, which it interpolates in CIELAB, have colours
-//! between their own.
+//! `rainbow_desaturated`, `rainbow_uniform` (C. Ware) and `fast` (F. Samsel, A. W. Scott) are ParaView's (BSD,
+//! `Remoting/Views/ColorMaps.json`); the last one, which it interpolates in CIELAB, has colours between its own. Maps that change
+//! faster than a table of 4080 colours shows (flag, prism, Cold and Hot) or jump (Cool to Warm (Extended)) are left out.
 //!
 //! A line is a name, what it is, and its colours: evenly spaced, six digits each, or with their positions.
 
