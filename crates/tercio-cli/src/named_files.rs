@@ -154,7 +154,7 @@ impl NamedFiles {
     /// # Errors
     /// The first folder that cannot be made; those of the check, then no folder stays.
     pub fn make_folders(&mut self) -> Result<()> {
-        let mut made = Vec::new();
+        let (mut made, mut are_new) = (Vec::new(), false);
         for (_, destination) in &self.written {
             let Destination::File(path) = destination else { continue };
             let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) else {
@@ -164,14 +164,15 @@ impl NamedFiles {
             if folder.exists() || !above {
                 continue;
             }
+            are_new = true;
             match std::fs::create_dir(folder) {
+                Ok(()) => made.push(folder.to_owned()),
                 // Another run has made it.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists && folder.is_dir() => {}
-                result => result.with_context(|| format!("folder {}", folder.display()))?,
+                Err(error) => return Err(error).with_context(|| format!("folder {}", folder.display())),
             }
-            made.push(folder.to_owned());
         }
-        if made.is_empty() {
+        if !are_new {
             return Ok(());
         }
         for (named, destination) in &mut self.written {

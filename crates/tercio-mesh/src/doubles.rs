@@ -102,10 +102,15 @@ pub(crate) fn stored(value: f64, offset: f64) -> f32 {
     if offset == 0.0 { value as f32 } else { (value - offset) as f32 }
 }
 
+/// Numbers as they are stored with an offset.
+pub(crate) fn all_stored(values: &[f64], offset: f64) -> Vec<f32> {
+    values.par_iter().with_min_len(1 << 12).map(|&value| stored(value, offset)).collect()
+}
+
 /// Numbers, stored, and their offset.
 pub(crate) fn store(values: &[f64]) -> (Vec<f32>, f64) {
     let offset = Doubles::of(values).offset();
-    (values.par_iter().with_min_len(1 << 12).map(|&v| stored(v, offset)).collect(), offset)
+    (all_stored(values, offset), offset)
 }
 
 impl Attribute {

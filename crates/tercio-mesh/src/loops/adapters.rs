@@ -4,6 +4,19 @@ use std::ops::Range;
 
 use super::{Lengths, Loop};
 
+/// The numbers of a loop that has those of its `items`.
+macro_rules! numbered_as_items {
+    () => {
+        fn len(&self) -> usize {
+            self.items.len()
+        }
+
+        fn lengths(&self) -> Lengths {
+            self.items.lengths()
+        }
+    };
+}
+
 /// A function of each item.
 pub struct Map<I, F> {
     pub(super) items: I,
@@ -15,13 +28,7 @@ unsafe impl<I: Loop, R, F: Fn(I::Item) -> R + Sync> Loop for Map<I, F> {
     type Item = R;
     const EXACT: bool = I::EXACT;
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = R> {
         // SAFETY: the caller upholds the same contract.
@@ -43,13 +50,7 @@ unsafe impl<I: Loop, T, R, G: Fn() -> T + Sync, F: Fn(&mut T, I::Item) -> R + Sy
     type Item = R;
     const EXACT: bool = I::EXACT;
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = R> {
         let mut own = (self.init)();
@@ -125,13 +126,7 @@ unsafe impl<I: Loop> Loop for Enumerate<I> {
         true
     };
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = Self::Item> {
         const { assert!(Self::EXACT) };
@@ -151,13 +146,7 @@ unsafe impl<I: Loop, F: Fn(&I::Item) -> bool + Sync> Loop for Filter<I, F> {
     type Item = I::Item;
     const EXACT: bool = false;
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = I::Item> {
         // SAFETY: the caller upholds the same contract.
@@ -179,13 +168,7 @@ unsafe impl<I: Loop, R: IntoIterator, F: Fn(I::Item) -> R + Sync> Loop for FlatM
     type Item = R::Item;
     const EXACT: bool = false;
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = R::Item> {
         // SAFETY: the caller upholds the same contract.
@@ -204,13 +187,7 @@ unsafe impl<I: Loop, R, F: Fn(I::Item) -> Option<R> + Sync> Loop for FilterMap<I
     type Item = R;
     const EXACT: bool = false;
 
-    fn len(&self) -> usize {
-        self.items.len()
-    }
-
-    fn lengths(&self) -> Lengths {
-        self.items.lengths()
-    }
+    numbered_as_items!();
 
     unsafe fn piece(&self, range: Range<usize>) -> impl Iterator<Item = R> {
         // SAFETY: the caller upholds the same contract.

@@ -151,14 +151,17 @@ fn pieces_keep_their_lengths() {
     assert!(ranges(10, Lengths { min: 5, max: 2 }).iter().all(|r| r.len() == 5));
 }
 
+/// Counts how many are dropped.
+struct Counted<'a>(&'a AtomicUsize);
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
 #[test]
 fn elements_are_dropped_once() {
-    struct Counted<'a>(&'a AtomicUsize);
-    impl Drop for Counted<'_> {
-        fn drop(&mut self) {
-            self.0.fetch_add(1, Ordering::Relaxed);
-        }
-    }
     let dropped = AtomicUsize::new(0);
     let list: Vec<_> = (0..1000).map(|_| Counted(&dropped)).collect();
     let kept: Vec<_> = list.into_par_iter().enumerate().filter(|(k, _)| k % 4 == 0).collect();
@@ -169,12 +172,6 @@ fn elements_are_dropped_once() {
 
 #[test]
 fn elements_that_nobody_asks_for_are_dropped() {
-    struct Counted<'a>(&'a AtomicUsize);
-    impl Drop for Counted<'_> {
-        fn drop(&mut self) {
-            self.0.fetch_add(1, Ordering::Relaxed);
-        }
-    }
     let dropped = AtomicUsize::new(0);
     let list = || (0..100).map(|_| Counted(&dropped)).collect::<Vec<_>>();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

@@ -51,8 +51,9 @@ impl Extent {
     /// The vertices sorted into cells, to find the farthest in many directions.
     pub fn cells(&self) -> Cells {
         const SIDE: usize = 24;
-        let local = Mesh { positions: self.points.clone(), ..Mesh::default() }.bounds();
-        let (min, size) = (local.min, local.size().max(DVec3::splat(f64::MIN_POSITIVE)));
+        // Rounded: a vertex beside the box is in the outermost cell.
+        let min = (self.bounds.min - self.origin) / self.unit;
+        let size = (self.bounds.size() / self.unit).max(DVec3::splat(f64::MIN_POSITIVE));
         let cell_of = |p: &[f32; 3]| {
             let at = (DVec3::from(p.map(f64::from)) - min) / size * SIDE as f64;
             let [x, y, z] = at.to_array().map(|c| (c as usize).min(SIDE - 1));

@@ -69,19 +69,20 @@ impl Piece<'_> {
     }
 
     fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
-        match self {
-            Self::Instance(instance, margin) => instance.reach(direction, from) + margin * direction.length(),
-            Self::Outline(outline) => outline.reach(direction, from),
+        let (reach, margin) = match self {
+            Self::Instance(instance, margin) => (instance.reach(direction, from), margin),
+            Self::Outline(outline) => return outline.reach(direction, from),
             Self::Extent(extent, place, margin) if *place == DAffine3::IDENTITY => {
-                extent.reach(direction, from) + margin * direction.length()
+                (extent.reach(direction, from), margin)
             }
             Self::Extent(extent, place, margin) => {
                 // Relative to a point of the extent, so that nothing is lost far from the origin.
                 let middle = extent.bounds().center();
                 let own = extent.reach(place.matrix3.transpose() * direction, middle);
-                own + direction.dot(place.transform_point3(middle) - from) + margin * direction.length()
+                (own + direction.dot(place.transform_point3(middle) - from), margin)
             }
-        }
+        };
+        reach + margin * direction.length()
     }
 
     fn add_to(&self, outline: &mut Outline) {

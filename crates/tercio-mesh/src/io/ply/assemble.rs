@@ -12,7 +12,7 @@ use super::header::Header;
 use super::plan::{Plan, Role};
 use super::table::{Column, Table};
 use super::wedges;
-use crate::doubles::{Doubles, stored};
+use crate::doubles::{Doubles, all_stored};
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, localize_at, localize_single_at};
@@ -161,7 +161,7 @@ fn narrow(job: &Job, name: &str, values: Vec<f64>) -> Result<(Vec<f32>, f64), Re
     doubles.warning(name, false).into_iter().for_each(|warning| job.warn(warning));
     let (offset, warning) = doubles.offset_for(name, job.options.is_part);
     warning.into_iter().for_each(|warning| job.warn(warning));
-    Ok((values.par_iter().with_min_len(1 << 12).map(|&value| stored(value, offset)).collect(), offset))
+    Ok((all_stored(&values, offset), offset))
 }
 
 fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {

@@ -1,7 +1,7 @@
 //! From columns to colours and attributes.
 
 use super::front::{Column, Front};
-use crate::doubles::{Doubles, stored};
+use crate::doubles::{Doubles, all_stored};
 use crate::{Attribute, AttributeDomain};
 
 /// The colours and the attributes of a table's columns.
@@ -15,7 +15,7 @@ pub fn meaning(
     let mut rest = Vec::new();
     let mut all = Vec::new();
     for (kind, values) in kinds.zip(columns) {
-        let single = |offset: f64| values.iter().map(|&value| stored(value, offset)).collect();
+        let single = |offset: f64| all_stored(&values, offset);
         match kind {
             Column::Color(k) => colors[*k] = Some(single(0.0)),
             Column::Value(name) => {
