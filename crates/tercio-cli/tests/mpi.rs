@@ -183,7 +183,7 @@ fn calibrated() -> Place {
     let place = Place::new();
     let description = DESCRIPTION.get_or_init(|| {
         // The third process has nothing to measure, and only rank 0 writes.
-        let calibrate = "lab calibrate --frames 1 --rounds 2 --accept-noise -o m.toml --quiet";
+        let calibrate = "lab calibrate --frames 1 --rounds 2 --repeats 0 --accept-noise -o m.toml --quiet";
         let outcome = mpirun(&place, &[(3, calibrate)]).ok_silently();
         assert_eq!(outcome.text(), "");
         place.read("m.toml")

@@ -69,9 +69,21 @@ fn assert_same(expected: &Frame, found: &Frame, what: &str) {
 /// Draws with ranks and expects one renderer's bytes.
 fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what: &str) -> FrameReport {
     let expected = Renderer::new().render(scene, camera, settings).expect("a picture");
+    check_against(&expected, scene, camera, settings, ranks, what)
+}
+
+/// Draws with ranks and expects these bytes.
+fn check_against(
+    expected: &Frame,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    ranks: Ranks,
+    what: &str,
+) -> FrameReport {
     let (found, report) = draw(ranks, scene, camera, settings).expect("a picture");
     let what = format!("{what}, {ranks:?}, {}x{}", settings.width, settings.height);
-    assert_same(&expected, &found, &what);
+    assert_same(expected, &found, &what);
     assert_eq!(report.pixels_visible(), expected.stats.backend.pixels_visible, "{what}");
     assert_eq!(found.stats.backend.pixels_visible, report.pixels_visible());
     let taken = |of: fn(&tercio_parallel::comm::Traffic) -> u64| -> u64 {
@@ -93,11 +105,12 @@ fn pixels_of_several_samples() {
     ] {
         for (outputs, radii) in [(EVERYTHING, 2.6), (Outputs::default(), 0.4)] {
             let camera = camera(&scene, radii, false);
+            let settings = Settings { outputs, sampling, ..Settings::new(131, 93) };
+            let expected = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
             for organisation in ALL {
                 for count in [1, 2, 3, 5] {
-                    let settings = Settings { outputs, sampling, ..Settings::new(131, 93) };
                     let ranks = Ranks { count, threads: 1 + count % 2, sharing: organisation.into() };
-                    check(&scene, &camera, &settings, ranks, &format!("{sampling:?}"));
+                    check_against(&expected, &scene, &camera, &settings, ranks, &format!("{sampling:?}"));
                 }
             }
         }
@@ -122,13 +135,14 @@ fn what_is_not_opaque() {
         (Sampling::NONE, Outputs { ids: true, color: false, ..Outputs::default() }, 1.5),
     ] {
         let camera = camera(&scene, radii, false);
-        for (organisation, count) in ALL.into_iter().flat_map(|o| [1, 2, 3, 5].map(|count| (o, count))) {
-            // With this little memory every tile is a round, drawn in slices of depth.
-            for layer_memory in [128 << 20, 1] {
-                let settings = Settings { outputs, sampling, layer_memory, ..Settings::new(131, 93) };
+        // With this little memory every tile is a round, drawn in slices of depth.
+        for layer_memory in [128 << 20, 1] {
+            let settings = Settings { outputs, sampling, layer_memory, ..Settings::new(131, 93) };
+            let expected = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+            for (organisation, count) in ALL.into_iter().flat_map(|o| [1, 2, 3, 5].map(|count| (o, count))) {
                 let ranks = Ranks { count, threads: 1 + count % 2, sharing: organisation.into() };
                 let what = format!("{sampling:?}, {radii} radii, {layer_memory} bytes");
-                let report = check(&scene, &camera, &settings, ranks, &what);
+                let report = check_against(&expected, &scene, &camera, &settings, ranks, &what);
                 let layers: u64 = report.ranks.iter().map(|rank| rank.pixels.fragment_bytes).sum();
                 assert_eq!(layers > 0, organisation.composites(count), "{what}");
             }

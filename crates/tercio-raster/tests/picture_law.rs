@@ -122,7 +122,7 @@ fn sheet(n: u32, is_front: bool, mut normal: impl FnMut() -> DVec3) -> Mesh {
 #[test]
 fn slanted_normals_with_colours_only() {
     let mut random = Random(21);
-    for sheet in 0..60 {
+    for sheet in 0..24 {
         let lean = random.point(1.0);
         let spread = random.between(0.0, 0.6);
         let normal = || DVec3::new(lean.x, lean.y, 0.15) * 1.2 + random.point(1.0) * spread;

@@ -1,4 +1,7 @@
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+use tempfile::TempDir;
 
 use super::*;
 use crate::published;
@@ -88,15 +91,28 @@ const VERDICTS: &[(&str, &str)] = &[
     ("others-slic", "no verdict"),
 ];
 
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+/// All experiments, run once for all tests, several at a time, on several threads, and the folder of their files.
+fn outcomes_of_threads() -> &'static (TempDir, Vec<Outcome>) {
+    static OUTCOMES: OnceLock<(TempDir, Vec<Outcome>)> = OnceLock::new();
+    OUTCOMES.get_or_init(|| {
+        let directory = tempfile::tempdir().unwrap();
+        let experiments: Vec<_> = all().collect();
+        let outcomes = pool(4).install(|| reproduce(&experiments, directory.path(), |_| {})).unwrap();
+        (directory, outcomes)
+    })
+}
+
 #[test]
 fn every_experiment_runs_and_has_the_verdict_that_is_known() {
-    let directory = tempfile::tempdir().unwrap();
-    let experiments: Vec<_> = all().collect();
-    let ids: BTreeSet<_> = experiments.iter().map(|e| e.id).collect();
-    assert_eq!(ids.len(), experiments.len(), "names are folders");
-    let outcomes = reproduce(&experiments, directory.path(), |_| {}).unwrap();
+    let (directory, outcomes) = outcomes_of_threads();
+    let ids: BTreeSet<_> = outcomes.iter().map(|o| o.experiment.id).collect();
+    assert_eq!(ids.len(), all().count(), "names are folders");
     let mut colliding = Vec::new();
-    for outcome in &outcomes {
+    for outcome in outcomes {
         let id = outcome.experiment.id;
         let findings = outcome.findings.as_ref().unwrap_or_else(|e| panic!("{id}: {e}"));
         assert!(findings.tables.iter().all(|t| !t.rows.is_empty()), "{id} has an empty table");
@@ -113,9 +129,9 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
         .iter()
         .map(|o| (o.experiment.id, o.findings.as_ref().map_or("failed", |f| f.verdict.name())))
         .collect();
-    every_contradiction_is_in_a_verdict(&outcomes);
-    printed_levels_are_drawn(&outcomes);
-    nothing_agrees_by_a_hair(&outcomes);
+    every_contradiction_is_in_a_verdict(outcomes);
+    printed_levels_are_drawn(outcomes);
+    nothing_agrees_by_a_hair(outcomes);
     if found != VERDICTS {
         let text = |o: &Outcome| o.findings.as_ref().map_or_else(ToString::to_string, |f| f.verdict.text());
         let lines = outcomes.iter().zip(&found).filter(|(_, f)| !VERDICTS.contains(f));
@@ -123,12 +139,12 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
         panic!("verdicts that are not in the list:\n{}", lines.join("\n"));
     }
     assert!(colliding.is_empty(), "{colliding:#?}");
-    report::write(&outcomes, &published::check_all().unwrap(), directory.path()).unwrap();
+    report::write(outcomes, &published::check_all().unwrap(), directory.path()).unwrap();
     let page = std::fs::read_to_string(directory.path().join("index.html")).unwrap();
     let markdown = std::fs::read_to_string(directory.path().join("report.md")).unwrap();
     assert!(ids.iter().all(|id| page.contains(id) && markdown.contains(id)));
-    swept_inputs_are_joined(&outcomes, &markdown);
-    assert!(page.contains(&summary(&outcomes)) && markdown.contains(&summary(&outcomes)));
+    swept_inputs_are_joined(outcomes, &markdown);
+    assert!(page.contains(&summary(outcomes)) && markdown.contains(&summary(outcomes)));
 }
 
 /// Verdicts name numbers that contradict print.
@@ -197,9 +213,15 @@ fn printed_levels_are_drawn(outcomes: &[Outcome]) {
 
 #[test]
 fn what_is_found_is_the_same_from_run_to_run_on_any_number_of_threads() {
-    let [one, four] = [1, 4].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
-    for experiment in all() {
-        let run = || format!("{:?}", (experiment.run)().map_err(|e| e.to_string()));
-        assert_eq!(one.install(run), four.install(run), "{}", experiment.id);
+    let text = |findings: Result<&Findings, &ExperimentError>| {
+        format!("{:?}", findings.map_err(ToString::to_string))
+    };
+    // First, while the other test waits for its own.
+    let of_one_thread =
+        pool(1).install(|| all().map(|experiment| text((experiment.run)().as_ref())).collect::<Vec<_>>());
+    let (_, outcomes) = outcomes_of_threads();
+    assert_eq!(of_one_thread.len(), outcomes.len());
+    for (outcome, of_one_thread) in outcomes.iter().zip(of_one_thread) {
+        assert_eq!(text(outcome.findings.as_ref()), of_one_thread, "{}", outcome.experiment.id);
     }
 }

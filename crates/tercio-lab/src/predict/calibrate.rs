@@ -72,6 +72,8 @@ pub struct Options {
     pub rounds: u32,
     /// Which clock times frames. Processor time ignores threads that wait, so the serial share comes out too small.
     pub clock: Clock,
+    /// How often all rounds are repeated, at most, while the measurement is doubtful or too noisy.
+    pub repeats: u32,
     /// Whether a measurement is kept that is still too noisy when it was repeated.
     pub accept_noise: bool,
 }
@@ -117,11 +119,8 @@ pub enum Progress<'a> {
     Doubtful(&'a str),
 }
 
-/// How often rounds are repeated on a machine that is too busy.
-const REPEATS: u32 = 2;
-
 /// Measures this machine. `mpi` is the network over MPI, if the caller has [measured](messages::measure) it with its
-/// ranks. If the measurement is doubtful or too noisy, the rounds are repeated twice; of all the first of the least noise is kept,
+/// ranks. If the measurement is doubtful or too noisy, the rounds are repeated ([`Options::repeats`]); of all the first of the least noise is kept,
 /// and its description says what remains doubtful.
 ///
 /// # Errors
@@ -140,7 +139,7 @@ pub fn calibrate(
         pictures.extend(pictures_of(model, loaded.mesh, o.threads)?);
     }
     let rounds = o.rounds.max(2);
-    least_noisy(o.accept_noise, &mut progress, |progress| {
+    least_noisy((o.repeats, o.accept_noise), &mut progress, |progress| {
         // A repeat begins anew: one frame that was too fast would keep every spread large.
         for Picture { sample, .. } in &mut pictures {
             (sample.seconds, sample.slowest, sample.together) = (f64::INFINITY, 0.0, None);
@@ -155,16 +154,16 @@ pub fn calibrate(
     })
 }
 
-/// Measures, at most [`REPEATS`] times more, until there is little noise; of all the first of the least noise, which says what is
+/// Measures, at most this many times more, until there is little noise; of all the first of the least noise, which says what is
 /// doubtful of it.
 fn least_noisy(
-    accept_noise: bool,
+    (repeats, accept_noise): (u32, bool),
     progress: &mut impl FnMut(Progress<'_>),
     mut measure: impl FnMut(&mut dyn FnMut(Progress<'_>)) -> Result<Calibration, PredictError>,
 ) -> Result<Calibration, PredictError> {
     let mut kept = measure(progress)?;
     let mut least = noise(&kept.machine);
-    for _ in 0..REPEATS {
+    for _ in 0..repeats {
         let (Noise::Doubtful(why) | Noise::TooMuch(why)) = &least else { break };
         progress(Progress::Repeated(why));
         let again = measure(progress)?;
@@ -586,8 +585,9 @@ mod tests {
                 Progress::Doubtful(_) => doubts += 1,
                 Progress::Next(_) => {}
             };
-            let kept =
-                least_noisy(accept_noise, &mut progress, |_| Ok(of_serial(*next.next().expect("no more"))));
+            let kept = least_noisy((2, accept_noise), &mut progress, |_| {
+                Ok(of_serial(*next.next().expect("no more")))
+            });
             let kept = kept
                 .map(|c| (c.machine.processors.serial.unwrap().value, c.machine.calibration.unwrap().doubt));
             assert_eq!(next.len(), 0, "all are measured");
@@ -614,7 +614,8 @@ mod tests {
 
     #[test]
     fn what_is_measured_is_a_description() {
-        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, accept_noise: false };
+        let options =
+            Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, repeats: 0, accept_noise: false };
         let measured = messages::Measured { latency: 1.5e-6, bandwidth: 4.25e9 };
         let mpi = messages::network(measured, "over MPI", "one machine");
         for mpi in [None, Some(mpi)] {
@@ -633,7 +634,8 @@ mod tests {
 
     #[test]
     fn frames_of_a_model_are_drawn_and_counted_in_all_variants() {
-        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, accept_noise: false };
+        let options =
+            Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, repeats: 0, accept_noise: false };
         let mesh = builtin::make("builtin:teapot@2k").unwrap();
         let mut pictures = pictures_of("builtin:teapot@2k", mesh, options.threads).unwrap();
         assert_eq!(pictures.len(), VARIANTS.len() * SIZES.len());

@@ -26,7 +26,7 @@ Costs are fitted to frames of built-in models on one thread, whole ones and ones
 serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
 three of them. Residuals of the fit, spread of the rounds, day, processor and version are in the section calibration.
 A measurement that is doubtful (rounds that spread by more than 15 %, residuals above 20 %, a serial share above 15 %)
-is repeated twice; if that does not help, it is kept with a warning, which is in the file, too (calibration.doubt), or
+is repeated, at most twice (--repeats); if that does not help, it is kept with a warning, which is in the file, too (calibration.doubt), or
 refused above 25 %, 40 % and 50 %. Messages are sent back and forth: half
 the median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
 one process are the section network. mpirun with two processes or more measures the section mpi first, between ranks
@@ -50,6 +50,9 @@ pub struct Calibrate {
     /// Rounds through all pictures, at least 2.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000))]
     rounds: u32,
+    /// How often a doubtful measurement is repeated, at most; each takes as long as the first.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(..=1000))]
+    repeats: u32,
     /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
@@ -105,6 +108,7 @@ impl Calibrate {
             frames: self.frames,
             rounds: self.rounds,
             clock: self.clock.into(),
+            repeats: self.repeats,
             accept_noise: self.accept_noise,
         };
         let bound = threads::of_machine().filter(|&all| mpi.is_some() && all > options.threads);

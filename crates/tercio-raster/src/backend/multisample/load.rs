@@ -73,7 +73,6 @@ impl SampleMemory {
             let slot = self.list.fragments[number as usize].slot;
             // What is not shaded has no colour: what is in the list is of an earlier tile.
             let color = if is_shaded { self.list.colors[number as usize] } else { [0.0, 0.0, 0.0, 1.0] };
-            debug_assert_eq!(color[3], 1.0, "the alpha of what is opaque");
             let (primitive, place) = (self.primitive(context, slot), pixel as u16);
             let head = FragmentHead { primitive, place, mask: mask as u16, color };
             let normal = if outputs.normals { self.list.normals[number as usize] } else { [0.0; 3] };

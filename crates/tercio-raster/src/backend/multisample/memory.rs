@@ -81,7 +81,7 @@ impl SampleMemory {
         }
         let [across, rows] =
             [self.rect.x1 - self.rect.x0 + 1, self.rect.y1 - self.rect.y0 + 1].map(|edge| edge as usize);
-        debug_assert!(across.max(rows) <= MOST_ROWS, "a tile of {across} x {rows} pixels");
+        assert!(across.max(rows) <= MOST_ROWS, "a tile of {across} x {rows} pixels");
         // Samples are read and written 16 at a time.
         let samples = (rows << self.stride_bits << self.count_bits) + LANES;
         self.depth.clear();
