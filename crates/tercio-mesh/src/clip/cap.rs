@@ -129,7 +129,9 @@ impl Arrangement {
     }
 
     /// Inserts edges, last first. Where one crosses another, both get a point there, which is rounded, so that they
-    /// may then cross others: `None` after more than so many crossings.
+    /// may then cross others: `None` after more than so many crossings. Where that is at an end of one of them, as far as
+    /// numbers tell, it is this end: edges that nearly coincide would cross each other again and again, each time an ulp
+    /// further on.
     fn insert(&mut self, mut links: Vec<Link>, mut crossings: usize) -> Option<()> {
         while let Some(link) = links.pop() {
             if link.from == link.to || self.add(link) {
@@ -138,10 +140,16 @@ impl Arrangement {
             crossings = crossings.checked_sub(1)?;
             let [from, to] = [link.from, link.to].map(handle);
             let crossed = self.delaunay.get_conflicting_edges_between_vertices(from, to).next()?;
-            let at = crossing([from, to].map(|v| self.delaunay.vertex(v).position()), crossed.positions());
+            let ends = [from, to].map(|v| self.delaunay.vertex(v));
+            let at = crossing(ends.map(|v| v.position()), crossed.positions());
+            let near = ends.into_iter().chain(crossed.vertices()).find(|v| is_near(at, v.position()));
+            let near = near.map(|v| v.index() as u32);
             let crossed = crossed.fix().as_undirected();
             let crossed = self.remove(crossed);
-            let middle = self.point(at, from, &mut links)?;
+            let middle = match near {
+                Some(end) => end,
+                None => self.point(at, from, &mut links)?,
+            };
             for link in [crossed, link] {
                 let way = [link.from, middle, link.to].map(|v| self.number(v));
                 self.stitch(&way, link.weight);
@@ -227,6 +235,14 @@ impl Arrangement {
 
 fn handle(point: u32) -> FixedVertexHandle {
     FixedVertexHandle::from_index(point as usize)
+}
+
+/// Whether two points are as near to each other as crossings are inexact. Coordinates of the outline are `f32`: what differs there
+/// differs by a multiple of this.
+fn is_near(p: Point2<f64>, q: Point2<f64>) -> bool {
+    const NEAR: f64 = 1.0 / (1u64 << 40) as f64;
+    let size = p.x.abs().max(p.y.abs()).max(q.x.abs()).max(q.y.abs());
+    (p.x - q.x).abs().max((p.y - q.y).abs()) <= NEAR * size
 }
 
 /// Where the edge `[a, b]` crosses the other, on it.

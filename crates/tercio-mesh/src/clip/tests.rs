@@ -546,6 +546,46 @@ fn tetrahedra() -> impl Strategy<Value = Mesh> {
     })
 }
 
+/// Edges of the outlines cross each other as near to a point as coordinates are exact.
+#[test]
+fn crossings_that_round_to_points_are_capped() {
+    let positions = [
+        [2, -1, 3],
+        [-2, -1, -1],
+        [1, -1, 1],
+        [4, 3, 4],
+        [-1, -2, 0],
+        [-1, 0, -1],
+        [1, -2, 3],
+        [-3, 3, 0],
+        [0, 4, -3],
+        [0, 0, 0],
+        [-1, -3, 3],
+        [1, 0, -1],
+    ];
+    let triangles = vec![
+        [0, 1, 2],
+        [0, 3, 1],
+        [1, 3, 2],
+        [0, 2, 3],
+        [4, 5, 6],
+        [4, 7, 5],
+        [5, 7, 6],
+        [4, 6, 7],
+        [9, 8, 10],
+        [9, 11, 8],
+        [8, 11, 10],
+        [9, 10, 11],
+    ];
+    let positions = positions.map(|p| p.map(|k: i8| f32::from(k))).to_vec();
+    let mesh = Mesh { positions, triangles, ..Mesh::default() };
+    let first = plane(-3.0, 1.0, -1.0, -0.5);
+    for second in [plane(2.0, 3.0, 2.0, 0.3), opposite(&plane(2.0, 3.0, 2.0, 0.3))] {
+        let clipped = clip(&mut mesh.clone(), &[first, second], true).expect("a part");
+        assert_eq!(clipped.open_outlines, 0);
+    }
+}
+
 proptest! {
     /// Whatever solids do to each other: what is left, with caps as often as solids end there, has the volume of
     /// the parts, and the same on the other side.
