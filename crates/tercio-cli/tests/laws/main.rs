@@ -218,7 +218,7 @@ fn a_limit_of_the_system_leads_to_a_picture_or_one_line() {
     for (ulimit, first) in [("-v", 48_000), ("-d", 6_000)] {
         for step in 0..16 {
             let limit = first + (step * step) * 1200;
-            let arguments = "render fan.ply -o picture.png --allow-empty --size 300x300 --quiet --threads 2 --progress always";
+            let arguments = "render fan.ply -o picture.png --allow-empty --size 64x64 --quiet --threads 2 --progress always";
             let mut shell = Command::new("sh");
             shell.args(["-c", &format!("ulimit {ulimit} {limit}; exec {program} {arguments}")]);
             let run = run(folder.path(), &mut shell);
