@@ -3,7 +3,8 @@
 //! Four tables: frames of a model that turns ([`turning`]), the same with several samples per pixel and with an opacity
 //! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
 //! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]), `cargo xtask bench organisations` what
-//! `--organisation auto` chooses ([`organisations`]). All programs draw the same files from the same cameras, in turns, so that
+//! `--organisation auto` chooses ([`organisations`]), `cargo xtask bench primitives` what lines, points, data and annotation cost
+//! ([`primitives`]). All programs draw the same files from the same cameras, in turns, so that
 //! other load of the machine affects all of them alike, and every ratio is taken within one turn.
 
 mod cliffs;
@@ -11,6 +12,7 @@ mod first_picture;
 mod machine;
 mod organisations;
 mod parallel;
+mod primitives;
 mod programs;
 mod report;
 mod run;
@@ -58,6 +60,8 @@ enum Instead {
     Parallel,
     /// What --organisation auto chooses, against the fastest, written to organisations.md
     Organisations,
+    /// Instructions of lines, points, glyphs, data and annotation, written to primitives.md
+    Primitives,
 }
 
 /// A part of what is measured.
@@ -100,6 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match arguments.instead {
         Some(Instead::Parallel) => return parallel::run(arguments),
         Some(Instead::Organisations) => return organisations::run(arguments),
+        Some(Instead::Primitives) => return primitives::run(arguments),
         None => {}
     }
     packages::provide(packages::RIVALS);

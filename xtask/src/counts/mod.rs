@@ -5,7 +5,7 @@
 //! not: it is the same to one part in ten thousand, on any machine, as long as the compiler is the same. Callgrind
 //! counts them. They do not show waiting for memory; that is what `cargo xtask bench` is for.
 
-mod callgrind;
+pub mod callgrind;
 mod cases;
 mod recorded;
 
