@@ -458,3 +458,30 @@ fn options_without_effect_are_mistakes() {
         .run("render model.off -o a.png --mode edges --edges=boundary")
         .failed(1, &["nothing was drawn", "edges"]);
 }
+
+/// An edge has the colours of its data: those of a closed formula along it, in tubes and strips; an edge's own colour wins.
+#[test]
+fn edges_show_data() {
+    let place = Place::new();
+    // Its left side is vertical, from the lower to the upper border, 40 pixels from the middle.
+    fs::write(place.path("t.obj"), "v -1 -1.5 0\nv 1 -1.5 0\nv -1 1.5 0\nf 1 2 3\n").unwrap();
+    let view = "t.obj --eye 0,0,5 --target 0,0,0 --fov 33.398488 --aa 1 --background #fff";
+    let data = "--color-by @elevation --range -1.5,1.5 --colormap gray --no-bar --line-width 4";
+    let flat = Picture::render(&place, &format!("{view} {data} --mode wireframe"));
+    for y in 4..HEIGHT - 4 {
+        let expected = 255.0 * (1.0 - (y as f64 + 0.5) / HEIGHT as f64);
+        let found = flat.at(39, y);
+        assert!(
+            found.iter().all(|&c| (f64::from(c) - expected).abs() <= 2.0),
+            "row {y}: {found:?}, {expected}"
+        );
+    }
+    let edges = Picture::render(&place, &format!("{view} {data} --mode edges"));
+    assert!(edges.0 == flat.0, "all of its edges are features");
+    let own = Picture::render(&place, &format!("{view} {data} --mode wireframe --edge-color #ff0000"));
+    assert_eq!(own.at(39, HEIGHT / 2), [255, 0, 0]);
+    // The middle of a lit tube is darker or brighter, and grey.
+    let tube = Picture::render(&place, &format!("{view} {data} --mode wireframe --line-shape tube"));
+    let levels: Vec<u8> = [100, 60, 20].map(|y| tube.at(39, y)).iter().map(|c| c[0]).collect();
+    assert!(levels.is_sorted() && levels[2] > levels[0] + 40, "{levels:?}");
+}

@@ -118,7 +118,8 @@ pub struct StrokeArgs {
     /// How points look.
     #[arg(long, value_name = "SHAPE", value_enum, default_value_t = ShapeName::Round)]
     point_shape: ShapeName,
-    /// Colour of edges, also translucent (#rrggbbaa); where these overlap, they are denser [default: #202428].
+    /// Colour of edges, also translucent (#rrggbbaa); where these overlap, they are denser [default:
+    /// #202428; without a surface, that of the data of --color-by].
     #[arg(long, value_name = "COLOR", value_parser = values::color)]
     edge_color: Option<[u8; 4]>,
     /// Draws glyphs of a vector: an attribute of two or three components, as --color-by names it, or @normal. They are at the vertices,
@@ -264,10 +265,16 @@ impl StrokeArgs {
         !matches!(self.mode, ModeName::Surface | ModeName::Points)
     }
 
-    /// Can anything show data: the surface, unless it is a drawing of lines, or contours, points, lines of the file, or glyphs?
+    /// Can anything show data: the surface or edges, unless it is a drawing of lines, or contours, points, lines of the file, or
+    /// glyphs?
     pub fn shows_data(&self, is_drawing: bool, has_file: bool) -> bool {
-        let of_surface = self.has_surface() && !is_drawing;
+        let of_surface = (self.has_surface() || self.edges_show_data()) && !is_drawing;
         of_surface || self.is_contours() || self.has_vertices() || has_file || self.glyphs.is_some()
+    }
+
+    /// Do edges show data: where there is no surface that does, and they have no colour of their own?
+    pub fn edges_show_data(&self) -> bool {
+        matches!(self.mode, ModeName::Wireframe | ModeName::Edges) && self.edge_color.is_none()
     }
 
     /// Are contours of data drawn?

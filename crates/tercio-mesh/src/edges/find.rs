@@ -153,7 +153,7 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             let ends = if first.away { [v, first.to] } else { [first.to, v] };
             let apexes = [first.apex, pair.get(1).map_or(Edge::NONE, |second| second.apex)];
             let place = 3 * u64::from(first.triangle) + u64::from(first.corner);
-            found.edges.push((place, Edge { ends, apexes, kind }));
+            found.edges.push((place, Edge { ends, apexes, kind, triangle: first.triangle }));
         }
     }
 

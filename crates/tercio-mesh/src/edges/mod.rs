@@ -47,6 +47,8 @@ pub struct Edge {
     pub apexes: [u32; 2],
     /// What meets there.
     pub kind: EdgeKind,
+    /// The first of its triangles: its place in the order of the triangles of the mesh, from 0, as in [`Edges::sides`].
+    pub triangle: u32,
 }
 
 impl Edge {
@@ -92,7 +94,7 @@ impl Edges {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
         // of a closed mesh three for two triangles, of a soup three a triangle.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 56 + 1)
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1)
     }
 
     /// Position of a vertex in object space.

@@ -1,5 +1,6 @@
 //! Surfaces coloured by their data: from the name of an attribute to [`SurfaceData`].
 
+mod edges;
 mod made;
 mod name;
 mod range;
@@ -13,6 +14,7 @@ use tercio_mesh::strokes::Strokes;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
 use tercio_scene::{DataReader, DataSource, Instance, SurfaceData};
 
+pub use edges::of_edges;
 pub use made::Made;
 pub use name::{available, direction, needs_normals};
 use range::Values;

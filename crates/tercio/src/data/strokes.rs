@@ -35,17 +35,17 @@ impl ModelData {
     }
 }
 
-/// What the colours of lines and points show.
+/// What the colours of lines and points, or of edges, show: one number or colour per vertex of the [`Strokes`], or two per edge.
 #[derive(Clone, Debug)]
 pub enum StrokeData {
     /// Values, interpolated along each line before they become colours.
     Mapped {
-        /// One per vertex of the strokes.
+        /// The values.
         values: Vec<f32>,
         /// Their colours.
         colors: Arc<DataColors>,
     },
-    /// Colours themselves, one per vertex of the strokes: sRGB and linear alpha.
+    /// Colours themselves: sRGB and linear alpha.
     Direct(Vec<[u8; 4]>),
 }
 

@@ -1,4 +1,5 @@
 use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_mesh::edges::{Edges, Selection};
 use tercio_mesh::{Attribute, AttributeDomain, Mesh, builtin};
 
 use super::*;
@@ -57,6 +58,47 @@ fn values_with_an_offset_are_full_ones() {
     let labels: Vec<&str> = found.categories.iter().map(|c| &*c.label).collect();
     assert_eq!(labels, ["1000000000", "1000000000.25", "half", "1000000000.75"]);
     assert_eq!([printed(-0.0, 0.0), printed(0.00019, 1013.25)], ["0", "1013.25019"]);
+}
+
+#[test]
+fn edges_have_the_values_of_their_first_triangle() {
+    let mesh = {
+        let mut mesh = builtin::make("builtin:teapot@600").expect("a model");
+        let at = |v: usize| mesh.positions[v].iter().sum::<f32>();
+        // Where vertices have the same position they have the same value, so that the ends of edges have one each.
+        let values = (0..mesh.positions.len()).map(at).collect();
+        mesh.attributes.push(Attribute { name: "sum".into(), domain: V, values, offset: 0.0 });
+        let values = (0..mesh.triangles.len()).map(|t| t as f32).collect();
+        mesh.attributes.push(Attribute { name: "number".into(), domain: T, values, offset: 0.0 });
+        mesh
+    };
+    let of = |name: &str, max_triangles: usize| {
+        let options = PartitionOptions { max_triangles, ..PartitionOptions::default() };
+        let mut instance = Instance::new(partition(mesh.clone(), &options));
+        instance.data = Some(DataOptions::new(name).data(&instance).expect("data"));
+        let edges = Edges::of_clusters(&instance.mesh, Selection::All);
+        let Some(StrokeData::Mapped { values, .. }) = of_edges(&instance, &edges) else { panic!("values") };
+        assert_eq!(values.len(), 2 * edges.list.len());
+        (edges, values)
+    };
+    let (edges, values) = of("sum", 128);
+    for (edge, values) in edges.list.iter().zip(values.chunks_exact(2)) {
+        let expected = edge.ends.map(|v| edges.positions[v as usize].iter().sum::<f32>());
+        assert_eq!(values, expected);
+    }
+    let (edges, values) = of("number", 128);
+    for (edge, values) in edges.list.iter().zip(values.chunks_exact(2)) {
+        assert_eq!(values, [edge.triangle as f32; 2]);
+        // That triangle has the edge.
+        let corners = mesh.triangles[edge.triangle as usize].map(|v| mesh.positions[v as usize]);
+        assert!(edge.ends.iter().all(|&v| corners.contains(&edges.positions[v as usize])));
+    }
+    for name in ["sum", "number", "@elevation", "@normal:x", "@face"] {
+        assert_eq!(of(name, 128).1, of(name, 7).1, "{name}: clusters of another size");
+    }
+    // Nothing is shown.
+    let instance = Instance::new(partition(mesh.clone(), &PartitionOptions::default()));
+    assert!(of_edges(&instance, &edges).is_none());
 }
 
 #[test]

@@ -30,7 +30,6 @@ mod sheet;
 mod sight;
 mod tube;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -147,40 +146,65 @@ pub enum EdgePart {
     BesideSurface,
 }
 
-/// Edges of an instance's mesh, or parts of them, as instances for the camera of `eye`.
+/// Edges of an instance's mesh, or parts of them, as instances for the camera of `eye`, in the colours of `data`
+/// ([`of_edges`](crate::data::of_edges)), if there are any.
 pub fn edges(
     eye: &Eye,
-    edges: &Edges,
-    world_from_object: &DAffine3,
+    (edges, world_from_object): (&Edges, &DAffine3),
     pen: &Pen,
     part: EdgePart,
+    data: Option<&StrokeData>,
 ) -> Vec<Instance> {
     let at = |v: u32| eye.eye_space(world_from_object.transform_point3(edges.position(v)));
     let hides_back = edges.is_solid && !is_inside(eye, edges, world_from_object);
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
-    let list = match part {
-        EdgePart::All => Cow::Borrowed(&edges.list),
+    let all = 0..edges.list.len() as u32;
+    let list: Vec<u32> = match part {
+        EdgePart::All => all.collect(),
         EdgePart::Silhouette | EdgePart::BesideSurface => {
             let sight = Sight::new(eye, edges, world_from_object);
-            Cow::Owned(edges.list.par_iter().copied().filter(|edge| !sight.is_between(edge)).collect())
+            all.into_par_iter().filter(|&n| !sight.is_between(&edges.list[n as usize])).collect()
         }
     };
-    sheet::draw(eye, &plain(), &list, |sheet, edge| {
+    sheet::draw(eye, &colored(plain(), data), &list, |sheet, &number| {
+        let edge = &edges.list[number as usize];
         let ends = edge.ends.map(at);
         let mut apexes = edge.apexes.map(|v| (v != tercio_mesh::edges::Edge::NONE).then(|| at(v)));
         if mirrored && apexes[1].is_some() {
             apexes.swap(0, 1);
         }
         let line = Line { ends, apexes, hides_back, part };
-        line::draw(sheet, &line, pen, [pen.color.into(); 2]);
+        line::draw(sheet, &line, pen, edge_inks(number, pen, data));
     })
 }
 
-/// Edges of an instance's mesh as tubes for the camera of `eye`.
-pub fn edge_tubes(eye: &Eye, edges: &Edges, world_from_object: &DAffine3, pen: &Pen) -> Vec<Instance> {
+/// The colours of an edge's ends.
+fn edge_inks(number: u32, pen: &Pen, data: Option<&StrokeData>) -> [Ink; 2] {
+    [0, 1].map(|end| match data {
+        Some(data) => data_ink(data, 2 * number as usize + end, pen.color),
+        None => pen.color.into(),
+    })
+}
+
+/// Edges of an instance's mesh as tubes for the camera of `eye`, in the colours of `data` ([`of_edges`](crate::data::of_edges)), if
+/// there are any; where several meet, the joint has that of the first.
+pub fn edge_tubes(
+    eye: &Eye,
+    (edges, world_from_object): (&Edges, &DAffine3),
+    pen: &Pen,
+    data: Option<&StrokeData>,
+) -> Vec<Instance> {
     let at = |v: u32| world_from_object.transform_point3(edges.position(v));
     let segments: Vec<[u32; 2]> = edges.list.iter().map(|edge| edge.ends).collect();
-    tubes(eye, &lit(), &segments, at, |_| pen.color.into(), pen)
+    let inks = |number: usize| edge_inks(number as u32, pen, data);
+    let mut joints = vec![Ink::from(pen.color); if data.is_some() { edges.positions.len() } else { 0 }];
+    for (number, ends) in segments.iter().enumerate().rev().filter(|_| data.is_some()) {
+        for (&v, ink) in ends.iter().zip(inks(number)) {
+            joints[v as usize] = ink;
+        }
+    }
+    let joint = |v: u32| joints.get(v as usize).copied().unwrap_or(pen.color.into());
+    tubes(eye, &colored(lit(), data), &segments, at, (inks, joint), pen)
 }
 
 /// Tubes between points of the world, and spheres at these points.
@@ -189,7 +213,7 @@ fn tubes(
     look: &Look,
     segments: &[[u32; 2]],
     at: impl Fn(u32) -> DVec3 + Sync,
-    ink: impl Fn(u32) -> Ink + Sync,
+    (inks, joint): (impl Fn(usize) -> [Ink; 2] + Sync, impl Fn(u32) -> Ink + Sync),
     pen: &Pen,
 ) -> Vec<Instance> {
     let is_there = |ends: &[u32; 2]| ends.iter().all(|&v| at(v).is_finite());
@@ -197,13 +221,15 @@ fn tubes(
         segments.par_iter().filter(|ends| is_there(ends)).flatten_iter().copied().collect();
     joints.par_sort_unstable();
     joints.dedup();
-    let mut instances = sheet::draw(eye, look, segments, |sheet, ends| {
-        if is_there(ends) {
-            tube::draw(sheet, ends.map(|v| eye.eye_space(at(v))), pen, ends.map(&ink));
+    let numbers: Vec<u32> = (0..segments.len() as u32).collect();
+    let mut instances = sheet::draw(eye, look, &numbers, |sheet, &number| {
+        let ends = segments[number as usize];
+        if is_there(&ends) {
+            tube::draw(sheet, ends.map(|v| eye.eye_space(at(v))), pen, inks(number as usize));
         }
     });
     instances.extend(sheet::draw(eye, look, &joints, |sheet, &v| {
-        point::draw(sheet, eye.eye_space(at(v)), PointShape::Sphere, pen, ink(v));
+        point::draw(sheet, eye.eye_space(at(v)), PointShape::Sphere, pen, joint(v));
     }));
     instances
 }
@@ -230,7 +256,8 @@ pub fn lines(
     match shape {
         LineShape::Tube => {
             let look = colored(lit(), data);
-            tubes(eye, &look, &strokes.segments, at, ink, pen)
+            let inks = |number: usize| strokes.segments[number].map(ink);
+            tubes(eye, &look, &strokes.segments, at, (inks, ink), pen)
         }
         LineShape::Flat => sheet::draw(eye, &colored(plain(), data), &strokes.segments, |sheet, &ends| {
             let [a, b] = ends.map(at);
@@ -322,9 +349,13 @@ fn colored(look: Look, data: Option<&StrokeData>) -> Look {
 /// The colour of a vertex.
 fn ink(strokes: &Strokes, vertex: u32, pen: &Pen, data: Option<&StrokeData>) -> Ink {
     let own = strokes.colors.as_ref().map_or(pen.color, |colors| colors[vertex as usize]);
+    data.map_or(own.into(), |data| data_ink(data, vertex as usize, own))
+}
+
+/// The colour of a place that has this number in data; `own` would be its colour without them.
+fn data_ink(data: &StrokeData, number: usize, own: [u8; 4]) -> Ink {
     match data {
-        Some(StrokeData::Mapped { values, .. }) => Ink { color: own, value: values[vertex as usize] },
-        Some(StrokeData::Direct(colors)) => colors[vertex as usize].into(),
-        None => own.into(),
+        StrokeData::Mapped { values, .. } => Ink { color: own, value: values[number] },
+        StrokeData::Direct(colors) => colors[number].into(),
     }
 }

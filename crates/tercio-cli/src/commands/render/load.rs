@@ -114,7 +114,7 @@ impl Render {
                 report
                     .read
                     .warnings
-                    .push("nothing shows the data of --color-by: edges have one colour".into());
+                    .push("nothing shows the data of --color-by: lines have one colour in vectors and with --edge-color".into());
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);

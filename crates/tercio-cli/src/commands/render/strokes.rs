@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use tercio::LoadReport;
-use tercio::data::StrokeData;
+use tercio::data::{StrokeData, of_edges};
 use tercio::glam::DAffine3;
 use tercio::glyphs::{self, Glyphs};
 use tercio::mesh::AttributeDomain;
@@ -14,7 +14,7 @@ use tercio::mesh::strokes::Strokes;
 use tercio::raster::Cull;
 use tercio::raster::view::View;
 use tercio::scene::framing::Extent;
-use tercio::scene::{Camera, Instance, Scene};
+use tercio::scene::{Camera, DataSource, Instance, Scene, SurfaceData};
 use tercio::strokes::{self, EdgePart, Eye, LineShape};
 
 use super::members::OfModel;
@@ -30,6 +30,8 @@ pub(super) struct Drawable {
     pub data: Option<StrokeData>,
     /// Edges, and what of them is drawn.
     pub edges: Vec<(Edges, EdgePart)>,
+    /// What the colours of each of these edges show, if anything: at the first place of the model, or at each.
+    pub edge_data: Vec<Vec<StrokeData>>,
     /// Glyphs in world space, of each place.
     pub glyphs: Vec<Glyphs>,
 }
@@ -37,7 +39,7 @@ pub(super) struct Drawable {
 impl Drawable {
     /// Lines and points of a file, until edges and glyphs are found.
     pub fn of_file(file: Arc<Strokes>, data: Option<StrokeData>) -> Self {
-        Self { file, data, edges: Vec::new(), glyphs: Vec::new() }
+        Self { file, data, edges: Vec::new(), edge_data: Vec::new(), glyphs: Vec::new() }
     }
 }
 
@@ -75,6 +77,17 @@ impl Render {
             let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
             self.check_memory(taken, needed)?;
             drawable.edges = self.strokes.edges_of(&model.mesh);
+            if self.strokes.edges_show_data() && model.data.is_some() {
+                let places = if depends_on_place(model) { places } else { &places[..places.len().min(1)] };
+                let edges = drawable.edges.iter().map(|(edges, _)| edges.list.len()).sum::<usize>() as u64;
+                let order = 24 * model.mesh.triangle_count() as u64;
+                self.check_memory(taken, needed + order + 8 * edges * places.len() as u64)?;
+                let at = |&place: &DAffine3| Instance { world_from_object: place, ..model.clone() };
+                let of = |(edges, _): &(Edges, EdgePart)| {
+                    places.iter().filter_map(|place| of_edges(&at(place), edges)).collect()
+                };
+                drawable.edge_data = drawable.edges.iter().map(of).collect();
+            }
         }
         self.report_edges(&drawable.edges);
         if let Some(options) = self.strokes.glyphs() {
@@ -157,15 +170,16 @@ impl Render {
 
     /// The strokes of this model, which has these instances.
     fn strokes_for(&self, eye: &Eye, of_model: &OfModel, instances: &[Instance]) -> Vec<Instance> {
-        let Drawable { file, data, edges, glyphs } = &of_model.drawable;
+        let Drawable { file, data, edges, edge_data, glyphs } = &of_model.drawable;
         let (line_shape, shape) = (self.strokes.line_shape(), self.strokes.shape());
         let mut drawn = Vec::new();
         let pen = self.strokes.edge_pen();
-        for place in &of_model.places {
-            for (edges, part) in edges {
+        for (copy, place) in of_model.places.iter().enumerate() {
+            for (number, (edges, part)) in edges.iter().enumerate() {
+                let data = edge_data.get(number).and_then(|all| all.get(copy).or(all.first()));
                 drawn.extend(match line_shape {
-                    LineShape::Flat => strokes::edges(eye, edges, place, &pen, *part),
-                    LineShape::Tube => strokes::edge_tubes(eye, edges, place, &pen),
+                    LineShape::Flat => strokes::edges(eye, (edges, place), &pen, *part, data),
+                    LineShape::Tube => strokes::edge_tubes(eye, (edges, place), &pen, data),
                 });
             }
         }
@@ -183,6 +197,16 @@ impl Render {
             drawn.extend(glyphs::draw(eye, glyphs, &self.strokes.glyph_pen()));
         }
         drawn
+    }
+}
+
+/// Do the data of an instance depend on where it is?
+fn depends_on_place(instance: &Instance) -> bool {
+    let depends = |source: &DataSource| matches!(source, DataSource::Along(_) | DataSource::Normal(_));
+    match instance.data.as_deref() {
+        Some(SurfaceData::Mapped { source, .. }) => depends(source),
+        Some(SurfaceData::Direct { components, .. }) => components.iter().any(depends),
+        None => false,
     }
 }
 
