@@ -352,6 +352,9 @@ fn strokes_obey_the_picture_law() {
         "builtin:teapot@1k --mode wireframe --edges=silhouette --stereo anaglyph",
         "builtin:teapot@2k --edges --aa 4",
         "builtin:sphere@1k --edges --line-width 2.5 --color-by @elevation --aa 1",
+        "builtin:teapot@1k --mode wireframe --color-by @elevation --aa 4",
+        "builtin:teapot@1k --mode edges --edges=feature,silhouette --color-by @face --aa 1",
+        "builtin:sphere@300 --mode wireframe --line-shape tube --color-by @normal:y --opacity-map 0.4,1 --aa 4",
     ];
     let ways = [
         "--threads 1 --tile-size 8",
@@ -484,4 +487,34 @@ fn edges_show_data() {
     let tube = Picture::render(&place, &format!("{view} {data} --mode wireframe --line-shape tube"));
     let levels: Vec<u8> = [100, 60, 20].map(|y| tube.at(39, y)).iter().map(|c| c[0]).collect();
     assert!(levels.is_sorted() && levels[2] > levels[0] + 40, "{levels:?}");
+    // Lines of equal value are those of surfaces.
+    let isolines = Picture::render(&place, &format!("{view} {data} --mode wireframe --isolines 5"));
+    assert!(isolines.0 == flat.0);
+    // What cannot show them says so.
+    for own in ["--edge-color #f00 -o a.png", "-o a.svg"] {
+        let command = format!("render t.obj --mode wireframe --color-by @elevation {own}");
+        let outcome = place.run(&command);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("nothing shows the data of --color-by"), "{}", outcome.stderr);
+    }
+}
+
+/// Categories of an edge that leaves the picture are those of its ends: nothing is between them.
+#[test]
+fn categories_of_edges_are_not_interpolated() {
+    let place = Place::new();
+    // The left side, 40 pixels from the middle, goes far beyond both borders, and is of category 1 below and 3 above its middle.
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        property float q\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        -1 -4 0 1\n1 -4 0 1\n-1 4 0 3\n3 0 1 2\n";
+    fs::write(place.path("t.ply"), ply).unwrap();
+    let view = "t.ply --up-axis y --eye 0,0,5 --target 0,0,0 --fov 33.398488 --aa 1 --background #fff";
+    let data = "--color-by q --categories --nan-color #f0f --no-bar --line-width 4";
+    for shape in ["", " --line-shape tube --shading unlit"] {
+        let picture = Picture::render(&place, &format!("{view} {data} --mode wireframe{shape}"));
+        let colors: Vec<[u8; 3]> = [2, 30, 90, HEIGHT - 3].map(|y| picture.at(39, y)).to_vec();
+        assert_eq!((colors[0], colors[2]), (colors[1], colors[3]), "{colors:?}");
+        assert!(colors[0] != colors[3] && !colors.contains(&[255, 0, 255]), "{colors:?}");
+        assert!(!colors.contains(&[255; 3]), "{colors:?}");
+    }
 }

@@ -119,7 +119,7 @@ pub struct StrokeArgs {
     #[arg(long, value_name = "SHAPE", value_enum, default_value_t = ShapeName::Round)]
     point_shape: ShapeName,
     /// Colour of edges, also translucent (#rrggbbaa); where these overlap, they are denser [default:
-    /// #202428; without a surface, that of the data of --color-by].
+    /// #202428; in a picture without a surface, that of the data of --color-by].
     #[arg(long, value_name = "COLOR", value_parser = values::color)]
     edge_color: Option<[u8; 4]>,
     /// Draws glyphs of a vector: an attribute of two or three components, as --color-by names it, or @normal. They are at the vertices,
@@ -268,13 +268,19 @@ impl StrokeArgs {
     /// Can anything show data: the surface or edges, unless it is a drawing of lines, or contours, points, lines of the file, or
     /// glyphs?
     pub fn shows_data(&self, is_drawing: bool, has_file: bool) -> bool {
-        let of_surface = (self.has_surface() || self.edges_show_data()) && !is_drawing;
-        of_surface || self.is_contours() || self.has_vertices() || has_file || self.glyphs.is_some()
+        let of_surface = self.has_surface() && !is_drawing;
+        of_surface
+            || self.edges_show_data(is_drawing)
+            || self.is_contours()
+            || self.has_vertices()
+            || has_file
+            || self.glyphs.is_some()
     }
 
-    /// Do edges show data: where there is no surface that does, and they have no colour of their own?
-    pub fn edges_show_data(&self) -> bool {
-        matches!(self.mode, ModeName::Wireframe | ModeName::Edges) && self.edge_color.is_none()
+    /// Do edges show data: where there is no surface that does, they have no colour of their own, and it is no drawing of lines?
+    pub fn edges_show_data(&self, is_drawing: bool) -> bool {
+        let has_no_surface = matches!(self.mode, ModeName::Wireframe | ModeName::Edges);
+        has_no_surface && self.edge_color.is_none() && !is_drawing
     }
 
     /// Are contours of data drawn?

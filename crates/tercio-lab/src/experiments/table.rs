@@ -98,7 +98,7 @@ impl Table {
         let written = writer
             .write_record(header)
             .and_then(|()| self.rows.iter().try_for_each(|row| writer.write_record(row.iter().map(text))));
-        debug_assert!(written.is_ok(), "{written:?}");
+        assert!(written.is_ok(), "{written:?}");
         String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
 }

@@ -145,6 +145,8 @@ fn every_experiment_runs_and_has_the_verdict_that_is_known() {
     assert!(ids.iter().all(|id| page.contains(id) && markdown.contains(id)));
     swept_inputs_are_joined(outcomes, &markdown);
     assert!(page.contains(&summary(outcomes)) && markdown.contains(&summary(outcomes)));
+    // Nothing else removes what a static has made.
+    std::fs::remove_dir_all(directory.path()).unwrap();
 }
 
 /// Verdicts name numbers that contradict print.

@@ -578,14 +578,14 @@ mod tests {
             calibration
         };
         // The serial shares that are measured, one after another; that which is kept, with its doubt, and what was reported.
-        let run = |shares: &[f64], accept_noise: bool| {
+        let run_at_most = |most: u32, shares: &[f64], accept_noise: bool| {
             let (mut next, mut repeats, mut doubts) = (shares.iter(), 0, 0);
             let mut progress = |what: Progress<'_>| match what {
                 Progress::Repeated(_) => repeats += 1,
                 Progress::Doubtful(_) => doubts += 1,
                 Progress::Next(_) => {}
             };
-            let kept = least_noisy((2, accept_noise), &mut progress, |_| {
+            let kept = least_noisy((most, accept_noise), &mut progress, |_| {
                 Ok(of_serial(*next.next().expect("no more")))
             });
             let kept = kept
@@ -593,7 +593,11 @@ mod tests {
             assert_eq!(next.len(), 0, "all are measured");
             (kept.map_err(|e| e.to_string()), repeats, doubts)
         };
+        let run = |shares: &[f64], accept_noise: bool| run_at_most(2, shares, accept_noise);
         assert_eq!(run(&[0.1], false), (Ok((0.1, None)), 0, 0));
+        assert_eq!(run_at_most(0, &[0.1], false), (Ok((0.1, None)), 0, 0));
+        assert_eq!(run_at_most(0, &[0.2], false).1, 0);
+        assert!(run_at_most(0, &[0.6], false).0.is_err() && run_at_most(1, &[0.6, 0.2], false).0.is_ok());
         assert_eq!(run(&[0.2, 0.1], false), (Ok((0.1, None)), 1, 0));
         let doubt = |percent: &str| Some(format!("the serial share is {percent} %, more than 15 %"));
         assert_eq!(run(&[0.2, 0.3, 0.6], false), (Ok((0.2, doubt("20.0"))), 2, 1));

@@ -237,8 +237,8 @@ fn handle(point: u32) -> FixedVertexHandle {
     FixedVertexHandle::from_index(point as usize)
 }
 
-/// Whether two points are as near to each other as crossings are inexact. Coordinates of the outline are `f32`: what differs there
-/// differs by a multiple of this.
+/// Whether two points are as near to each other as crossings are inexact, with room to spare. Coordinates of the outline are `f32`,
+/// whose steps are some ten thousand times as large, except near 0.
 fn is_near(p: Point2<f64>, q: Point2<f64>) -> bool {
     const NEAR: f64 = 1.0 / (1u64 << 40) as f64;
     let size = p.x.abs().max(p.y.abs()).max(q.x.abs()).max(q.y.abs());

@@ -1,10 +1,13 @@
 //! Data of edges.
 
+use std::sync::Arc;
+
+use glam::DAffine3;
 use tercio_mesh::AttributeDomain;
 use tercio_mesh::cluster::ClusterView;
 use tercio_mesh::edges::{Edge, Edges};
 use tercio_mesh::loops::prelude::*;
-use tercio_scene::{DataReader, Instance, SurfaceData};
+use tercio_scene::{DataColors, DataReader, Instance, SurfaceData};
 
 use super::strokes::{StrokeData, direct};
 
@@ -15,25 +18,37 @@ use super::strokes::{StrokeData, direct};
 /// # Panics
 /// If the edges are not those of [`Edges::of_clusters`] of this mesh.
 pub fn of_edges(instance: &Instance, edges: &Edges) -> Option<StrokeData> {
-    let data = instance.data.as_deref()?;
-    let places = Places::new(instance, edges);
-    Some(match data {
-        SurfaceData::Mapped { source, colors } => {
-            let values = places.values(&DataReader::new(source, instance, colors.offset));
-            StrokeData::Mapped { values, colors: colors.clone() }
+    of_edges_at(instance, edges, &[instance.world_from_object]).pop()
+}
+
+/// As [`of_edges`], for each of these places of the instance in the world; none if it has no data.
+///
+/// # Panics
+/// As [`of_edges`].
+pub fn of_edges_at(instance: &Instance, edges: &Edges, places: &[DAffine3]) -> Vec<StrokeData> {
+    let Some(data) = instance.data.as_deref() else { return Vec::new() };
+    let order = Order::new(instance, edges);
+    let at_place = |&world_from_object: &DAffine3| {
+        let placed = Instance { world_from_object, ..instance.clone() };
+        match data {
+            SurfaceData::Mapped { source, colors } => {
+                let values = order.values(&DataReader::new(source, &placed, colors.offset));
+                // Lines of equal value would cross edges.
+                let colors = Arc::new(DataColors { isolines: None, ..(**colors).clone() });
+                StrokeData::Mapped { values, colors }
+            }
+            SurfaceData::Direct { components, scale, offset } => {
+                let values = |source| order.values(&DataReader::new(source, &placed, 0.0));
+                let components: Vec<Vec<f32>> = components.iter().map(values).collect();
+                direct(&components, *scale, *offset)
+            }
         }
-        SurfaceData::Direct { components, scale, offset } => {
-            let components: Vec<Vec<f32>> = components
-                .iter()
-                .map(|source| places.values(&DataReader::new(source, instance, 0.0)))
-                .collect();
-            direct(&components, *scale, *offset)
-        }
-    })
+    };
+    places.iter().map(at_place).collect()
 }
 
 /// Where the values of edges are.
-struct Places<'a> {
+struct Order<'a> {
     instance: &'a Instance,
     edges: &'a Edges,
     domain: AttributeDomain,
@@ -41,7 +56,7 @@ struct Places<'a> {
     triangles: Vec<(u32, u32)>,
 }
 
-impl<'a> Places<'a> {
+impl<'a> Order<'a> {
     fn new(instance: &'a Instance, edges: &'a Edges) -> Self {
         let mesh = &instance.mesh;
         let mut triangles: Vec<(u32, (u32, u32))> = (0..mesh.clusters().len())

@@ -14,7 +14,7 @@ use tercio_mesh::strokes::Strokes;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
 use tercio_scene::{DataReader, DataSource, Instance, SurfaceData};
 
-pub use edges::of_edges;
+pub use edges::{of_edges, of_edges_at};
 pub use made::Made;
 pub use name::{available, direction, needs_normals};
 use range::Values;

@@ -96,6 +96,19 @@ fn edges_have_the_values_of_their_first_triangle() {
     for name in ["sum", "number", "@elevation", "@normal:x", "@face"] {
         assert_eq!(of(name, 128).1, of(name, 7).1, "{name}: clusters of another size");
     }
+    // At each place, the coordinates there.
+    let mut instance = Instance::new(partition(mesh.clone(), &PartitionOptions::default()));
+    instance.data = Some(DataOptions::new("@elevation").data(&instance).expect("data"));
+    let places = [0.0, 5.0].map(|up| glam::DAffine3::from_translation(DVec3::Y * up));
+    let [Some(low), Some(high)] = [0, 1].map(|n| of_edges_at(&instance, &edges, &places).get(n).cloned())
+    else {
+        panic!("two places")
+    };
+    let (StrokeData::Mapped { values: low, .. }, StrokeData::Mapped { values: high, .. }) = (low, high)
+    else {
+        panic!("values")
+    };
+    assert!(low.iter().zip(&high).all(|(low, high)| (high - low - 5.0).abs() < 1e-5));
     // Nothing is shown.
     let instance = Instance::new(partition(mesh.clone(), &PartitionOptions::default()));
     assert!(of_edges(&instance, &edges).is_none());

@@ -78,7 +78,7 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
     let (Some(ends), Some(shares)) = (eye.clip(line.ends, margin), eye.clip_shares(line.ends, margin)) else {
         return;
     };
-    let inks = shares.map(|share| inks[0].lerp(inks[1], share.clamp(0.0, 1.0)));
+    let inks = shares.map(|share| sheet.between(inks, share));
     let end = |p: DVec3| End { screen: eye.screen(p), radius: 0.5 * pen.width.pixels(eye, p.z), z: p.z };
     let ends3 = ends;
     let ends = ends.map(end);

@@ -23,7 +23,11 @@ pub struct Ink {
 
 impl Ink {
     /// Between two, in the way of a line.
-    pub fn lerp(self, other: Self, share: f64) -> Self {
+    fn lerp(self, other: Self, share: f64) -> Self {
+        // Values may be infinite, or so large that the others are rounded away.
+        if share <= 0.0 || share >= 1.0 {
+            return if share <= 0.0 { self } else { other };
+        }
         let mix = |a: f64, b: f64| a + (b - a) * share;
         let byte = |k: usize| mix(self.color[k].into(), other.color[k].into()).round() as u8;
         let value = mix(self.value.into(), other.value.into()) as f32;
@@ -48,6 +52,8 @@ pub struct Look {
 /// Triangles with colours.
 pub struct Sheet<'a> {
     eye: &'a Eye,
+    /// Values are categories: there is nothing between two of them.
+    is_of_categories: bool,
     positions: Vec<[f32; 3]>,
     normals: Vec<OctNormal>,
     triangles: Vec<[u32; 3]>,
@@ -55,9 +61,19 @@ pub struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    fn new(eye: &'a Eye) -> Self {
+    fn new(eye: &'a Eye, look: &Look) -> Self {
         let (positions, normals, triangles, inks) = Default::default();
-        Self { eye, positions, normals, triangles, inks }
+        let is_of_categories = look.colors.as_ref().is_some_and(|colors| !colors.categories.is_empty());
+        Self { eye, is_of_categories, positions, normals, triangles, inks }
+    }
+
+    /// The colour at a share of the way from one end of a stroke to the other.
+    pub fn between(&self, [from, to]: [Ink; 2], share: f64) -> Ink {
+        match self.is_of_categories {
+            false => from.lerp(to, share),
+            true if share < 0.5 => from,
+            true => to,
+        }
     }
 
     /// The camera.
@@ -133,7 +149,7 @@ pub fn draw<T: Sync>(
     draw: impl Fn(&mut Sheet, &T) + Sync,
 ) -> Vec<Instance> {
     let chunk = |strokes: &[T]| {
-        let mut sheet = Sheet::new(eye);
+        let mut sheet = Sheet::new(eye, look);
         strokes.iter().for_each(|stroke| draw(&mut sheet, stroke));
         sheet.instance(look)
     };

@@ -21,7 +21,7 @@ pub fn draw(sheet: &mut Sheet, ends: [DVec3; 2], pen: &Pen, inks: [Ink; 2]) {
     };
     let Some(shares) = eye.clip_shares(ends, margin) else { return };
     let at = shares.map(|share| ends[0].lerp(ends[1], share.clamp(0.0, 1.0)));
-    let inks = shares.map(|share| inks[0].lerp(inks[1], share.clamp(0.0, 1.0)));
+    let inks = shares.map(|share| sheet.between(inks, share));
     let axis = ends[1] - ends[0];
     let Some(axis) = axis.try_normalize() else { return };
     let viewer = eye.to_viewer(at[0]);

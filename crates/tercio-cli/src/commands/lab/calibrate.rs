@@ -26,7 +26,7 @@ Costs are fitted to frames of built-in models on one thread, whole ones and ones
 serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
 three of them. Residuals of the fit, spread of the rounds, day, processor and version are in the section calibration.
 A measurement that is doubtful (rounds that spread by more than 15 %, residuals above 20 %, a serial share above 15 %)
-is repeated, at most twice (--repeats); if that does not help, it is kept with a warning, which is in the file, too (calibration.doubt), or
+is repeated, by default at most twice (--repeats); if that does not help, it is kept with a warning, which is in the file, too (calibration.doubt), or
 refused above 25 %, 40 % and 50 %. Messages are sent back and forth: half
 the median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
 one process are the section network. mpirun with two processes or more measures the section mpi first, between ranks

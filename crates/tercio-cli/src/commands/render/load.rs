@@ -114,7 +114,7 @@ impl Render {
                 report
                     .read
                     .warnings
-                    .push("nothing shows the data of --color-by: lines have one colour in vectors and with --edge-color".into());
+                    .push("nothing shows the data of --color-by: edges have one colour in SVG and PDF, and with --edge-color".into());
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);
@@ -172,15 +172,16 @@ impl Render {
             let own = &scene.instances[model.instances.clone()];
             model.report.read.warnings.extend(self.drawing.shadow_warning(&scene, own));
         }
+        let is_drawing = job.writing.plan.drawing.is_some();
         for (member, model) in self.members().zip(&mut models) {
             let instance = &scene.instances[model.instances.start];
             member.find_strokes(
                 &mut model.drawable,
                 instance,
                 &model.places,
-                picture.saturating_add(taken),
+                (is_drawing, picture.saturating_add(taken)),
             )?;
-            if job.writing.plan.drawing.is_none() {
+            if !is_drawing {
                 member.put_edges_on(&mut scene.instances[model.instances.clone()], &mut model.drawable);
             }
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, bail};
 use tercio::LoadReport;
-use tercio::data::{StrokeData, of_edges};
+use tercio::data::{StrokeData, of_edges_at};
 use tercio::glam::DAffine3;
 use tercio::glyphs::{self, Glyphs};
 use tercio::mesh::AttributeDomain;
@@ -59,13 +59,14 @@ impl Render {
         report.lines + report.points > 0 || report.mesh.triangles > 0 && has_no_surface
     }
 
-    /// Finds the edges and the glyphs of the model of an instance at some places, if they are drawn.
+    /// Finds the edges and the glyphs of the model of an instance at some places, if they are drawn, as a picture or as a drawing
+    /// of lines; so many bytes are taken.
     pub(super) fn find_strokes(
         &self,
         drawable: &mut Drawable,
         model: &Instance,
         places: &[DAffine3],
-        taken: u64,
+        (is_drawing, taken): (bool, u64),
     ) -> Result<()> {
         let domain = model.data.as_ref().map(|data| data.domain(model.mesh.layout()));
         let is_at_cells = domain == Some(AttributeDomain::Triangle) && !model.mesh.clusters().is_empty();
@@ -77,15 +78,14 @@ impl Render {
             let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
             self.check_memory(taken, needed)?;
             drawable.edges = self.strokes.edges_of(&model.mesh);
-            if self.strokes.edges_show_data() && model.data.is_some() {
-                let places = if depends_on_place(model) { places } else { &places[..places.len().min(1)] };
+            if let Some(data) = model.data.as_deref().filter(|_| self.strokes.edges_show_data(is_drawing)) {
+                let places = if depends_on_place(data) { places } else { &places[..places.len().min(1)] };
                 let edges = drawable.edges.iter().map(|(edges, _)| edges.list.len()).sum::<usize>() as u64;
+                // The order of the triangles, and two values an edge, or colours made from up to four.
                 let order = 24 * model.mesh.triangle_count() as u64;
-                self.check_memory(taken, needed + order + 8 * edges * places.len() as u64)?;
-                let at = |&place: &DAffine3| Instance { world_from_object: place, ..model.clone() };
-                let of = |(edges, _): &(Edges, EdgePart)| {
-                    places.iter().filter_map(|place| of_edges(&at(place), edges)).collect()
-                };
+                let of_edge = if matches!(data, SurfaceData::Direct { .. }) { 40 } else { 8 };
+                self.check_memory(taken, needed + order + of_edge * edges * places.len() as u64)?;
+                let of = |(edges, _): &(Edges, EdgePart)| of_edges_at(model, edges, places);
                 drawable.edge_data = drawable.edges.iter().map(of).collect();
             }
         }
@@ -201,12 +201,11 @@ impl Render {
 }
 
 /// Do the data of an instance depend on where it is?
-fn depends_on_place(instance: &Instance) -> bool {
+fn depends_on_place(data: &SurfaceData) -> bool {
     let depends = |source: &DataSource| matches!(source, DataSource::Along(_) | DataSource::Normal(_));
-    match instance.data.as_deref() {
-        Some(SurfaceData::Mapped { source, .. }) => depends(source),
-        Some(SurfaceData::Direct { components, .. }) => components.iter().any(depends),
-        None => false,
+    match data {
+        SurfaceData::Mapped { source, .. } => depends(source),
+        SurfaceData::Direct { components, .. } => components.iter().any(depends),
     }
 }
 
