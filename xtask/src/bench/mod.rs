@@ -4,7 +4,7 @@
 //! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
 //! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]), `cargo xtask bench organisations` what
 //! `--organisation auto` chooses ([`organisations`]), `cargo xtask bench primitives` what lines, points, data and annotation cost
-//! ([`primitives`]). All programs draw the same files from the same cameras, in turns, so that
+//! ([`primitives`]). Otherwise all programs draw the same files from the same cameras, in turns, so that
 //! other load of the machine affects all of them alike, and every ratio is taken within one turn.
 
 mod cliffs;
