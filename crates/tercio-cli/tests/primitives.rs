@@ -60,6 +60,9 @@ fn golden_data() {
         ("data_opacity", "--color-by @elevation --opacity-map 0.1,1"),
         ("data_contours", "--color-by @elevation --mode contours"),
         ("data_and_edges", "--color-by @elevation --edges"),
+        ("data_wireframe", "--color-by @elevation --mode wireframe"),
+        ("data_tubes", "--color-by @face --mode wireframe --line-shape tube --colormap turbo"),
+        ("data_feature_edges", "--color-by @elevation --mode edges --feature-angle 10 --line-width 2"),
         ("data_categories", "--color-by @face --categories --colormap turbo"),
     ];
     check("builtin:terrain@800", &pictures);
