@@ -180,10 +180,7 @@ pub fn edges(
 
 /// The colours of an edge's ends.
 fn edge_inks(number: u32, pen: &Pen, data: Option<&StrokeData>) -> [Ink; 2] {
-    [0, 1].map(|end| match data {
-        Some(data) => data_ink(data, 2 * number as usize + end, pen.color),
-        None => pen.color.into(),
-    })
+    [0, 1].map(|end| data_ink(data, 2 * number as usize + end, pen.color))
 }
 
 /// Edges of an instance's mesh as tubes for the camera of `eye`, in the colours of `data` ([`of_edges`](crate::data::of_edges)), if
@@ -349,13 +346,14 @@ fn colored(look: Look, data: Option<&StrokeData>) -> Look {
 /// The colour of a vertex.
 fn ink(strokes: &Strokes, vertex: u32, pen: &Pen, data: Option<&StrokeData>) -> Ink {
     let own = strokes.colors.as_ref().map_or(pen.color, |colors| colors[vertex as usize]);
-    data.map_or(own.into(), |data| data_ink(data, vertex as usize, own))
+    data_ink(data, vertex as usize, own)
 }
 
-/// The colour of a place that has this number in data; `own` would be its colour without them.
-fn data_ink(data: &StrokeData, number: usize, own: [u8; 4]) -> Ink {
+/// The colour of a place that has this number in data; `own` is its colour without them.
+fn data_ink(data: Option<&StrokeData>, number: usize, own: [u8; 4]) -> Ink {
     match data {
-        StrokeData::Mapped { values, .. } => Ink { color: own, value: values[number] },
-        StrokeData::Direct(colors) => colors[number].into(),
+        Some(StrokeData::Mapped { values, .. }) => Ink { color: own, value: values[number] },
+        Some(StrokeData::Direct(colors)) => colors[number].into(),
+        None => own.into(),
     }
 }

@@ -88,6 +88,7 @@ impl Render {
         }
         let shadows = self.drawing.shadow_bytes(&scene);
         let up = camera.front().up;
+        let is_drawing = job.writing.plan.drawing.is_some();
         let (mut models, mut bars): (Vec<OfModel>, Vec<ScalarBar>) = (Vec::new(), Vec::new());
         for (member, &number) in self.members().zip(&file_of) {
             let file = &files[number];
@@ -108,7 +109,6 @@ impl Render {
                 true => Default::default(),
             };
             report.read.warnings.extend(notes);
-            let is_drawing = job.writing.plan.drawing.is_some();
             if instance.data.is_some() && !member.strokes.shows_data(is_drawing, !strokes.is_empty()) {
                 (instance.data, data) = (None, None);
                 report
@@ -172,7 +172,6 @@ impl Render {
             let own = &scene.instances[model.instances.clone()];
             model.report.read.warnings.extend(self.drawing.shadow_warning(&scene, own));
         }
-        let is_drawing = job.writing.plan.drawing.is_some();
         for (member, model) in self.members().zip(&mut models) {
             let instance = &scene.instances[model.instances.start];
             member.find_strokes(
