@@ -21,7 +21,7 @@ const MEMORY_LIMIT: u64 = 16 << 20;
 const MOST_TRIANGLES: usize = 2_000;
 
 /// Draws the bytes in three ways: the reference renderer, the renderer with default choices, and the renderer at the
-/// scalar level with another partition, tile size and sorting. All planes must be equal.
+/// lowest SIMD level with another partition, tile size and sorting. All planes must be equal.
 ///
 /// # Panics
 /// If loading or drawing does, if a loaded mesh is inconsistent, or if pictures differ.
@@ -69,20 +69,20 @@ pub fn draw_bytes(bytes: &[u8]) {
     let camera = camera(&scene, number / 3);
     let settings = settings(number);
     let drawn = Renderer::new().render(&scene, &camera, &settings);
-    let scalar = Settings {
-        simd: Some(SimdLevel::Scalar),
+    let lowest = Settings {
+        simd: SimdLevel::available().first().copied(),
         sorting: Sorting::Triangles,
         binning: Binning::BoundingBox,
         cluster_culling: false,
         tile_size: Some(8),
         ..settings.clone()
     };
-    let otherwise = Renderer::new().render(&cut_otherwise, &camera, &scalar);
+    let otherwise = Renderer::new().render(&cut_otherwise, &camera, &lowest);
     let expected = reference::render(&[&plain], &scene, &camera, &settings);
     match (drawn, otherwise, expected) {
         (Ok(drawn), Ok(otherwise), Ok(expected)) => {
             assert_same(&drawn, &expected, "the reference");
-            assert_same(&otherwise, &expected, "another partition, scalar");
+            assert_same(&otherwise, &expected, "another partition, lowest SIMD level");
             // Drawing only colours uses kernels of its own.
             let alone = Settings { outputs: Outputs::default(), ..settings };
             let alone = Renderer::new().render(&scene, &camera, &alone).expect("drawn before");

@@ -2,7 +2,9 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use tercio_mesh::cluster::{Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, partition};
+use tercio_mesh::cluster::{
+    Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, partition, partition_in_order,
+};
 use tercio_mesh::{Attribute, AttributeDomain, ClusteredMesh, Mesh, OctNormal};
 
 /// A mesh with every attribute, whose values identify their vertex or triangle.
@@ -55,9 +57,19 @@ fn grid(n: u32, scramble: bool) -> Mesh {
     mesh(positions, triangles)
 }
 
+/// The triangles of a grid with vertices of their own.
+fn apart(n: u32, scramble: bool) -> Mesh {
+    let joined = grid(n, scramble);
+    let positions = joined.triangles.as_flattened().iter().map(|&v| joined.positions[v as usize]).collect();
+    mesh(positions, (0..joined.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
+}
+
 /// Checks everything that the documentation guarantees.
 fn check(mesh: &Mesh, options: &PartitionOptions) {
-    let out = partition(mesh.clone(), options);
+    check_clusters(&partition(mesh.clone(), options), mesh, options);
+}
+
+fn check_clusters(out: &ClusteredMesh, mesh: &Mesh, options: &PartitionOptions) {
     let n = mesh.triangles.len();
     assert_eq!(out.triangle_count(), n);
     assert_eq!(out.origin, mesh.origin);
@@ -69,7 +81,7 @@ fn check(mesh: &Mesh, options: &PartitionOptions) {
         assert!(c.triangles() > 0 && c.triangles() <= options.max_triangles);
         assert!(c.vertices() > 0 && c.vertices() <= options.max_vertices.max(3));
         vertices += c.vertices();
-        check_vertices(&out, &c, mesh);
+        check_vertices(out, &c, mesh);
         assert!(c.corners().iter().all(|k| k.len() == c.triangles().next_multiple_of(LANES)));
         assert!(c.corners().iter().all(|k| k[c.triangles()..].iter().all(|&corner| corner == 0)));
         assert_eq!(c.corners(), [0, 1, 2].map(|k| &c.corner_tables()[k][..c.corners()[k].len()]));
@@ -85,7 +97,7 @@ fn check(mesh: &Mesh, options: &PartitionOptions) {
             assert_eq!(c.attribute(1)[t], p as f32);
         }
         check_bounds(&c);
-        check_moved(&out, i, &c);
+        check_moved(out, i, &c);
     }
     assert!(seen.into_iter().all(|s| s));
     assert_eq!(out.vertex_count(), vertices);
@@ -210,6 +222,49 @@ proptest! {
     ) {
         let options = PartitionOptions { max_vertices, max_triangles, order, shuffle_seed, ..Default::default() };
         check(&grid(n, scramble), &options);
+        check(&apart(n, scramble), &options);
+    }
+
+    #[test]
+    fn a_given_order_is_kept(
+        n in 1u32..40,
+        scramble: bool,
+        seed: u64,
+        (max_vertices, max_triangles, ..) in options(),
+    ) {
+        let options = PartitionOptions { max_vertices, max_triangles, ..Default::default() };
+        let mesh = grid(n, scramble);
+        let mut order: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        order.sort_by_key(|&t| (u64::from(t) + 1).wrapping_mul(seed | 1));
+        let out = partition_in_order(mesh.clone(), order.clone(), &options);
+        check_clusters(&out, &mesh, &options);
+        prop_assert!(out.triangles().map(|t| t.0).eq(order));
+    }
+}
+
+#[test]
+#[should_panic(expected = "all triangles, each once")]
+fn an_order_without_a_triangle_is_refused() {
+    partition_in_order(grid(1, false), vec![1, 1], &PartitionOptions::default());
+}
+
+/// Triangles without neighbours, which no cluster can grow over.
+#[test]
+fn clusters_of_separate_triangles_are_full_and_compact() {
+    // In one block, in several, and with cells that are split.
+    for (n, scramble) in [(60, false), (60, true), (200, false), (200, true)] {
+        let mesh = apart(n, scramble);
+        let full = mesh.triangles.len().div_ceil(21);
+        for order in [Order::Auto, Order::Spatial] {
+            let out = partition(mesh.clone(), &PartitionOptions { order, ..Default::default() });
+            let clusters = out.clusters();
+            assert!(clusters.len() * 10 <= full * 13, "{} clusters, at least {full}", clusters.len());
+            let extent = |c: &Cluster| Vec3::from(c.max).distance_squared(Vec3::from(c.min));
+            let spread: f32 = clusters.iter().map(extent).sum();
+            // 2 for squares without gaps; the surface is not quite flat.
+            let area = (n * n) as f32;
+            assert!(spread <= 12.0 * area, "{n}, {scramble}, {order:?}: {}", spread / area);
+        }
     }
 }
 
@@ -237,6 +292,12 @@ fn every_number_of_threads_gives_the_same_bytes() {
             for threads in [2, 3, 7] {
                 assert!(one == run(threads), "{threads} threads, {order:?}");
             }
+            let run = |threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let options = PartitionOptions { order, ..Default::default() };
+                pool.install(|| print(&partition(apart(150, scramble), &options)))
+            };
+            assert!(run(1) == run(3), "triangles apart, {order:?}");
         }
     }
 }

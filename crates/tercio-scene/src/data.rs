@@ -173,10 +173,16 @@ impl DataReader {
     /// The value of a triangle of this input face of the mesh, and with these attributes.
     pub fn of_triangle(&self, face: u32, attribute: impl Fn(usize) -> f32) -> f32 {
         match &self.source {
-            DataSource::Face if self.offset == 0.0 => (self.first_face + u64::from(face)) as f32,
-            DataSource::Face => ((self.first_face + u64::from(face)) as f64 - self.offset) as f32,
+            DataSource::Face => self.of_face(face),
             _ => self.of_attributes(attribute),
         }
+    }
+
+    #[inline]
+    fn of_face(&self, face: u32) -> f32 {
+        // Signed, which processors convert in one instruction.
+        let number = (self.first_face + u64::from(face)) as i64;
+        if self.offset == 0.0 { number as f32 } else { (number as f64 - self.offset) as f32 }
     }
 
     fn of_attributes(&self, attribute: impl Fn(usize) -> f32) -> f32 {
@@ -237,6 +243,10 @@ impl DataReader {
         let count = cluster.triangles().min(to.len());
         if let (DataSource::Attribute(attribute), []) = (&self.source, &self.own[..]) {
             to[..count].copy_from_slice(&cluster.attribute(*attribute)[..count]);
+            return;
+        }
+        if self.source == DataSource::Face {
+            to[..count].iter_mut().zip(mesh.faces(number)).for_each(|(to, face)| *to = self.of_face(face));
             return;
         }
         for (triangle, to) in to[..count].iter_mut().enumerate() {

@@ -8,8 +8,10 @@ mod seeds;
 
 use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, bail, ensure};
@@ -132,21 +134,28 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Fuzzes every target for a short time; each target is one check.
+/// Fuzzes every target for a short time, as many at once as there are processors; each target is one check.
 pub fn short_runs(time: Duration) -> Counts {
-    let mut counts = Counts::default();
     let programs = build();
     if let Err(error) = &programs {
         eprintln!("error: {error:#}");
     }
-    for target in Target::value_variants() {
-        let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, false));
-        if let Some(Err(error)) = &result {
-            eprintln!("error: {error:#}");
+    let waiting = Mutex::new(Target::value_variants().iter());
+    let counts = Mutex::new(Counts::default());
+    let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let run_all = || {
+        while let Some(target) = next() {
+            let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, false));
+            if let Some(Err(error)) = &result {
+                eprintln!("error: {error:#}");
+            }
+            *counts.lock().unwrap_or_else(PoisonError::into_inner) +=
+                Counts::one(matches!(result, Some(Ok(()))));
         }
-        counts += Counts::one(matches!(result, Some(Ok(()))));
-    }
-    counts
+    };
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(run_all))));
+    counts.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A cargo command in the fuzz workspace, with the host as an explicit target, so that `RUSTFLAGS` do not apply to

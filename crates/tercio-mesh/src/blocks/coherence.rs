@@ -34,10 +34,30 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
             area += surface;
         }
     }
+    if is_in_parts(mesh) {
+        // Lines have no area to compare with. Where clusters lie side by side, the squares of their diagonals add up to a few
+        // times that of the whole mesh.
+        let all = clusters as f32 * n as f32 / (length * samples) as f32;
+        return clusters > 0 && spread / clusters as f32 * all <= 6.0 * diagonal2(&mesh.positions);
+    }
     // The square of the diagonal is 2.5 times the area for a round flat patch, and 7 times for tiles of 7 x 7 squares
     // when a sample begins inside a tile.
     let full = vertices as f32 <= 0.75 * (length * samples) as f32;
     full && clusters > 0 && spread <= 8.0 * area
+}
+
+/// Does the mesh consist of many small parts, so that most triangles have few neighbours, if any?
+pub(super) fn is_in_parts(mesh: &Mesh) -> bool {
+    mesh.positions.len() > mesh.triangles.len()
+}
+
+/// Square of the diagonal of a bounding box.
+fn diagonal2(points: &[[f32; 3]]) -> f32 {
+    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for &p in points {
+        (min, max) = (min.min(p.into()), max.max(p.into()));
+    }
+    if points.is_empty() { 0.0 } else { min.distance_squared(max) }
 }
 
 /// Numbers of triangles and vertices of the clusters that the given order makes.

@@ -37,6 +37,8 @@ pub struct BlockedMesh {
 pub(crate) struct Blocks {
     /// Mesh number of each triangle; `None` where the blocks hold the order of the mesh.
     pub order: Option<Vec<u32>>,
+    /// Clusters are to be made of consecutive triangles.
+    pub keeps_order: bool,
     /// Corners of all triangles, block after block, as vertex numbers inside the block. The corner with the lowest
     /// number in the mesh comes first ([`Mesh::canonical`]).
     pub corners: Vec<[u16; 3]>,
@@ -78,6 +80,16 @@ impl BlockedMesh {
         Self { mesh, blocks }
     }
 
+    /// Splits a mesh into blocks of triangles that are consecutive in a given order.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that does not exist, or `order` is not a permutation of the numbers of the triangles.
+    pub(crate) fn in_order(mut mesh: Mesh, order: Vec<u32>) -> Self {
+        let blocks = Blocks::of_sequence(&mesh, Sequence::given(&mesh, order), true);
+        mesh.triangles = Vec::new();
+        Self { mesh, blocks }
+    }
+
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.blocks.corners.len()
@@ -91,7 +103,13 @@ impl BlockedMesh {
 
 impl Blocks {
     pub fn new(mesh: &Mesh, order: Order) -> Self {
-        let Sequence { order, lengths } = Sequence::new(mesh, order);
+        let sequence = Sequence::new(mesh, order);
+        let keeps_order = sequence.order.is_none();
+        Self::of_sequence(mesh, sequence, keeps_order)
+    }
+
+    fn of_sequence(mesh: &Mesh, sequence: Sequence, keeps_order: bool) -> Self {
+        let Sequence { order, lengths } = sequence;
         let mut corners = vec![[0; 3]; mesh.triangles.len()];
         let mut rest = corners.as_mut_slice();
         let mut first = 0;
@@ -119,7 +137,7 @@ impl Blocks {
                 block
             })
             .collect();
-        Self { order, corners, list }
+        Self { order, keeps_order, corners, list }
     }
 
     /// Mesh number of a block's triangle.
@@ -135,7 +153,7 @@ impl Blocks {
         concerns: &(impl Fn(u32) -> bool + Sync),
         change: &(impl Fn(u32, &mut [u32; 3]) + Sync),
     ) {
-        let Self { order, corners, list } = self;
+        let Self { order, corners, list, .. } = self;
         let mut rest = corners.as_mut_slice();
         let mut jobs = Vec::with_capacity(list.len());
         for block in list {

@@ -33,6 +33,14 @@ pub(super) struct Sequence {
 }
 
 impl Sequence {
+    /// A given order, split every [`BLOCK`] triangles.
+    pub fn given(mesh: &Mesh, order: Vec<u32>) -> Self {
+        let mut is_there = vec![false; mesh.triangles.len()];
+        order.iter().for_each(|&t| is_there[t as usize] = true);
+        assert!(order.len() == is_there.len() && is_there.iter().all(|&is| is), "all triangles, each once");
+        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order) }
+    }
+
     pub fn new(mesh: &Mesh, order: Order) -> Self {
         match order {
             Order::File => file(mesh),
@@ -49,11 +57,16 @@ fn file(mesh: &Mesh) -> Sequence {
 
 /// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
 ///
-/// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept.
+/// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept, unless the triangles have few
+/// neighbours to grow over: then their order has to be spatial itself.
 fn spatial(mesh: &Mesh) -> Sequence {
     let n = mesh.triangles.len();
+    let in_parts = coherence::is_in_parts(mesh);
     if n <= BLOCK {
-        let order = (0..n as u32).collect();
+        let mut order: Vec<u32> = (0..n as u32).collect();
+        if in_parts && n > 0 {
+            sort_finely(mesh, &mut order, rank_table(FINEST));
+        }
         return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
     }
     let grid = Grid::new(mesh, grid_bits(n));
@@ -61,22 +74,24 @@ fn spatial(mesh: &Mesh) -> Sequence {
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, cells, ranks.len());
     let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
-    blocks.gather_cells(mesh, &counts);
+    blocks.gather_cells(mesh, &counts, in_parts);
     blocks
 }
 
 impl Sequence {
-    /// Joins neighbouring cells into blocks, and splits cells with too many triangles.
-    fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize]) {
+    /// Joins neighbouring cells into blocks, and splits cells with too many triangles. Sorts inside these cells; inside all blocks, if
+    /// `sorts_all`.
+    fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize], sorts_all: bool) {
         let order = self.order.as_mut().map_or(&mut [][..], |o| &mut o[..]);
-        let (mut open, mut begin, mut crowded) = (0, 0, Vec::new());
+        let (mut open, mut begin, mut unsorted) = (0, 0, Vec::new());
         for &count in counts {
             if open + count > BLOCK && open > 0 {
                 self.lengths.push(open);
+                unsorted.extend(sorts_all.then_some(begin - open..begin));
                 open = 0;
             }
             if count > BLOCK {
-                crowded.push(begin..begin + count);
+                unsorted.push(begin..begin + count);
                 self.lengths.extend(cut_evenly(count));
             } else {
                 open += count;
@@ -85,10 +100,11 @@ impl Sequence {
         }
         if open > 0 {
             self.lengths.push(open);
+            unsorted.extend(sorts_all.then_some(begin - open..begin));
         }
-        if !crowded.is_empty() {
+        if !unsorted.is_empty() {
             let ranks = rank_table(FINEST);
-            crowded.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], &ranks));
+            unsorted.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], ranks));
         }
     }
 }

@@ -193,6 +193,21 @@ impl ClusteredMesh {
         }
     }
 
+    /// [`ClusteredMesh::face`] of all triangles of a cluster.
+    ///
+    /// # Panics
+    /// If there is no such cluster.
+    pub fn faces(&self, cluster: usize) -> impl Iterator<Item = u32> + '_ {
+        let view = self.cluster(cluster);
+        let of_primitive = self.face_of_triangle.as_deref();
+        let of_slot = self.face_of_slot.as_deref().map(|faces| &faces[cluster * MAX_TRIANGLES..]);
+        view.primitives().enumerate().map(move |(triangle, primitive)| match (of_primitive, of_slot) {
+            (Some(faces), _) => faces[primitive as usize],
+            (None, None) => primitive,
+            (None, Some(faces)) => faces[triangle],
+        })
+    }
+
     /// Every triangle in the order of the clusters: its primitive number and its corners relative to
     /// `origin`, the corner with the lowest mesh vertex number first.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + '_ {

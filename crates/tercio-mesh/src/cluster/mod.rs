@@ -36,7 +36,7 @@ pub use clustered::ClusteredMesh;
 pub use head::Cluster;
 pub use layout::Layout;
 pub use part::Whole;
-pub use partition::{PartitionOptions, partition, partition_blocks};
+pub use partition::{PartitionOptions, partition, partition_blocks, partition_in_order};
 pub use transfer::{Assembly, TransferError, write_clusters};
 pub use view::ClusterView;
 

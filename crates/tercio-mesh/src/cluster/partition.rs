@@ -90,6 +90,15 @@ pub fn partition(mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
     partition_blocks(BlockedMesh::new(mesh, options.order), options)
 }
 
+/// As [`partition`], into clusters of triangles that are consecutive in a given order; they keep their numbers.
+/// [`PartitionOptions::order`] is not used.
+///
+/// # Panics
+/// As [`partition`], and if `order` is not a permutation of the numbers of the triangles.
+pub fn partition_in_order(mesh: Mesh, order: Vec<u32>, options: &PartitionOptions) -> ClusteredMesh {
+    partition_blocks(BlockedMesh::in_order(mesh, order), options)
+}
+
 /// As [`partition`], for a mesh that is already split into blocks; their order takes precedence over
 /// [`PartitionOptions::order`].
 ///
@@ -113,7 +122,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         .with_max_len(1)
         .map(|job| {
             let triangles = &blocks.corners[job.block.range()];
-            let cut = cut(&mesh, triangles, job, limits, &pool);
+            let cut = cut(&mesh, triangles, job, blocks.keeps_order, limits, &pool);
             if let Some(progress) = options.progress {
                 progress.advance(triangles.len() as u64);
             }
@@ -144,10 +153,19 @@ fn jobs(order: Option<&mut [u32]>, blocks: Vec<Block>) -> Vec<Job<'_>> {
 }
 
 /// Splits one block into clusters: into runs if the order is to be kept, else by growing.
-fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
+fn cut(
+    mesh: &Mesh,
+    triangles: &[[u16; 3]],
+    job: Job,
+    keeps_order: bool,
+    limits: Limits,
+    pool: &Pool<Grower>,
+) -> Cut {
     let Job { block, order } = job;
+    let vertices = block.vertices.len();
     let mut cut = match order {
-        None => runs::cut(triangles, block.first as u32, block.vertices.len(), limits),
+        None => runs::cut(triangles, |place| (block.first + place) as u32, vertices, limits),
+        Some(order) if keeps_order => runs::cut(triangles, |place| order[place], vertices, limits),
         Some(order) => {
             let mut grower = pool.take();
             let ground = Ground { triangles, vertices: &block.vertices, positions: &mesh.positions };

@@ -3,20 +3,27 @@
 use super::gather;
 use super::partition::{Cut, Limits};
 
-/// Splits the triangles of a block in their order. `first` is the mesh number of the first of them, `vertices` the
-/// number of vertices in the block.
-pub(super) fn cut(triangles: &[[u16; 3]], first: u32, vertices: usize, limits: Limits) -> Cut {
+/// Splits the triangles of a block in their order. `number_of` gives the mesh number of each of them, `vertices` is the number of
+/// vertices in the block.
+pub(super) fn cut(
+    triangles: &[[u16; 3]],
+    number_of: impl Fn(usize) -> u32,
+    vertices: usize,
+    limits: Limits,
+) -> Cut {
     let mut cut = Cut::new(triangles.len());
     // For each vertex: number of the last cluster that contains it, from 1, times 256, plus its number in that
     // cluster.
     let mut member = vec![0u32; vertices];
     let mut number = 1;
     let (mut used, mut count) = (0u32, 0u32);
+    let head = |used: u32, count: u32, end: usize| {
+        gather::head(used as u8, (end - count as usize..end).map(&number_of))
+    };
     for (i, triangle) in triangles.iter().enumerate() {
         let missing = triangle.iter().filter(|&&v| member[usize::from(v)] >> 8 != number).count() as u32;
         if count == limits.triangles || used + missing > limits.vertices {
-            let end = first + i as u32;
-            cut.clusters.push(gather::head(used as u8, end - count..end));
+            cut.clusters.push(head(used, count, i));
             number += 1;
             (used, count) = (0, 0);
         }
@@ -32,8 +39,7 @@ pub(super) fn cut(triangles: &[[u16; 3]], first: u32, vertices: usize, limits: L
         count += 1;
     }
     if count > 0 {
-        let end = first + triangles.len() as u32;
-        cut.clusters.push(gather::head(used as u8, end - count..end));
+        cut.clusters.push(head(used, count, triangles.len()));
     }
     cut
 }

@@ -178,6 +178,16 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
     }
 
+    /// [`ClusterView::primitive`] of all triangles.
+    pub fn primitives(&self) -> impl Iterator<Item = u32> + use<'a> {
+        let (view, head) = (*self, *self.head());
+        let first = view.layout.numbers(&head);
+        (0..view.triangles()).map(move |triangle| match head.number_bits {
+            0 => head.first_primitive + triangle as u32,
+            _ => head.first_primitive.wrapping_add(view.number(first, triangle)),
+        })
+    }
+
     /// The number of a triangle; `first` is the byte offset of the cluster's primitive numbers.
     #[inline(always)]
     fn number(&self, first: usize, triangle: usize) -> u32 {

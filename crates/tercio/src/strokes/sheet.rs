@@ -1,9 +1,10 @@
 //! Triangles that face the camera, on the way to instances of the scene.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
-use tercio_mesh::cluster::{Order, PartitionOptions, partition};
+use glam::{DVec2, DVec3, UVec3, Vec3};
+use tercio_mesh::cluster::{PartitionOptions, partition_in_order};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
 use tercio_scene::{DataColors, DataSource, Instance, Surface, SurfaceData};
@@ -12,6 +13,8 @@ use super::eye::Eye;
 
 /// Strokes that become one instance: it bounds the memory of what is not yet split into clusters.
 const CHUNK: usize = 1 << 15;
+/// Cells along each axis of the grid by which strokes are sorted.
+const CELLS: f32 = 1024.0;
 
 /// The colour of a vertex: itself, or a value that becomes a colour when it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,13 +61,39 @@ pub struct Sheet<'a> {
     normals: Vec<OctNormal>,
     triangles: Vec<[u32; 3]>,
     inks: Vec<Ink>,
+    /// For each stroke its first vertex and its first triangle.
+    starts: Vec<[u32; 2]>,
 }
 
 impl<'a> Sheet<'a> {
     fn new(eye: &'a Eye, look: &Look) -> Self {
-        let (positions, normals, triangles, inks) = Default::default();
+        let (positions, normals, triangles, inks, starts) = Default::default();
         let is_of_categories = look.colors.as_ref().is_some_and(|colors| !colors.categories.is_empty());
-        Self { eye, is_of_categories, positions, normals, triangles, inks }
+        Self { eye, is_of_categories, positions, normals, triangles, inks, starts }
+    }
+
+    /// Begins a stroke: what is added then belongs to it.
+    fn begin(&mut self) {
+        self.starts.push([self.positions.len() as u32, self.triangles.len() as u32]);
+    }
+
+    /// The numbers of the triangles, stroke by stroke, in an order in which neighbours are near each other: most strokes share no
+    /// vertices, over which clusters could grow.
+    fn order(&self) -> Vec<u32> {
+        let first = |start: &[u32; 2]| self.positions.get(start[0] as usize).map(|&p| Vec3::from(p));
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for p in self.starts.iter().filter_map(first) {
+            (min, max) = (min.min(p), max.max(p));
+        }
+        let scale = CELLS / (max - min).max_element();
+        let cell = |p: Vec3| ((p - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3();
+        let ends = self.starts.iter().skip(1).map(|start| start[1]).chain([self.triangles.len() as u32]);
+        let strokes = self.starts.iter().zip(ends).filter(|(start, end)| start[1] < *end);
+        let key = |start| first(start).map_or(0, |p| morton(cell(p)));
+        let mut sorted: Vec<(u32, Range<u32>)> =
+            strokes.map(|(start, end)| (key(start), start[1]..end)).collect();
+        sorted.sort_by_key(|stroke| stroke.0);
+        sorted.into_iter().flat_map(|stroke| stroke.1).collect()
     }
 
     /// The colour at a share of the way from one end of a stroke to the other.
@@ -114,6 +143,7 @@ impl<'a> Sheet<'a> {
         if self.triangles.is_empty() {
             return None;
         }
+        let order = self.order();
         let largest = self.positions.as_flattened().iter().fold(0.0f32, |m, c| m.max(c.abs()));
         if !largest.is_finite() {
             return None;
@@ -128,12 +158,23 @@ impl<'a> Sheet<'a> {
             ..Mesh::default()
         };
         mesh.bring_into_range(largest);
-        let options = PartitionOptions { order: Order::Auto, ..PartitionOptions::default() };
         let data = look.colors.as_ref().map(|colors| {
             Arc::new(SurfaceData::Mapped { source: DataSource::Attribute(0), colors: Arc::clone(colors) })
         });
-        Some(Instance { surface: look.surface, data, ..Instance::new(partition(mesh, &options)) })
+        let mesh = partition_in_order(mesh, order, &PartitionOptions::default());
+        Some(Instance { surface: look.surface, data, ..Instance::new(mesh) })
     }
+}
+
+/// The bits of the coordinates of a cell by turns, so that cells with numbers near each other are near each other.
+fn morton(cell: UVec3) -> u32 {
+    let spread = |v: u32| {
+        let v = (v | v << 16) & 0x0300_00ff;
+        let v = (v | v << 8) & 0x0300_f00f;
+        let v = (v | v << 4) & 0x030c_30c3;
+        (v | v << 2) & 0x0924_9249
+    };
+    spread(cell.x) << 2 | spread(cell.y) << 1 | spread(cell.z)
 }
 
 fn values(inks: &[Ink], offset: f64) -> Attribute {
@@ -150,7 +191,10 @@ pub fn draw<T: Sync>(
 ) -> Vec<Instance> {
     let chunk = |strokes: &[T]| {
         let mut sheet = Sheet::new(eye, look);
-        strokes.iter().for_each(|stroke| draw(&mut sheet, stroke));
+        for stroke in strokes {
+            sheet.begin();
+            draw(&mut sheet, stroke);
+        }
         sheet.instance(look)
     };
     strokes.par_chunks(CHUNK).filter_map(chunk).collect()

@@ -1,13 +1,13 @@
 //! Which edges are certainly not on the silhouette, found without projecting them: nearly all of them are not.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use tercio_mesh::edges::{Edge, Edges};
 use tercio_mesh::loops::prelude::*;
 
 use super::eye::Eye;
 
-/// Sine of the angle at which a triangle counts as seen from the side.
-const EDGE_ON: f64 = 1e-9;
+/// Square of the sine of the angle at which a triangle counts as seen from the side; of one as high as the whole model.
+const EDGE_ON2: f64 = 1e-18;
 
 /// Vertices of edges as the viewer sees them, in the units of their positions.
 pub struct Sight {
@@ -15,6 +15,8 @@ pub struct Sight {
     positions: Vec<DVec3>,
     /// The direction of sight of an orthographic camera.
     direction: Option<DVec3>,
+    /// Square of the length of an edge that is longer than all.
+    longest2: f64,
 }
 
 impl Sight {
@@ -27,8 +29,13 @@ impl Sight {
         } else {
             direction = Some(object_from_world.transform_vector3(eye.world_axes(DVec3::Z)));
         }
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &p in &edges.positions {
+            (min, max) = (min.min(p.into()), max.max(p.into()));
+        }
+        let longest2 = (max.as_dvec3() - min.as_dvec3()).length_squared();
         let relative = |p: &[f32; 3]| DVec3::from(p.map(f64::from)) - from;
-        Self { positions: edges.positions.par_iter().map(relative).collect(), direction }
+        Self { positions: edges.positions.par_iter().map(relative).collect(), direction, longest2 }
     }
 
     /// Are the two triangles of an edge on both sides of the plane through the viewer and the edge, so that it lies between them on
@@ -41,11 +48,8 @@ impl Sight {
         let at = |v: u32| self.positions[v as usize];
         let from = at(edge.ends[0]);
         let plane = (at(edge.ends[1]) - from).cross(self.direction.unwrap_or(from));
-        let side = |v: u32| {
-            let to = at(v) - from;
-            let beside = plane.dot(to);
-            if beside.abs() <= EDGE_ON * plane.length() * to.length() { 0.0 } else { beside.signum() }
-        };
-        side(a) * side(b) < 0.0
+        let [a, b] = [a, b].map(|v| plane.dot(at(v) - from));
+        let limit2 = EDGE_ON2 * plane.length_squared() * self.longest2;
+        (a < 0.0) != (b < 0.0) && a * a > limit2 && b * b > limit2
     }
 }
