@@ -18,6 +18,7 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
     let samples = n.div_ceil(SAMPLE).clamp(1, SAMPLES);
     let starts = (0..samples).map(|i| (n - length) / (samples - 1).max(1) * i);
     let (mut clusters, mut vertices, mut spread, mut area) = (0, 0, 0.0, 0.0);
+    let mut whole = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     let mut numbering = Numbering::default();
     let mut corners = [[0; 3]; SAMPLE];
     for triangles in starts.map(|s| &mesh.triangles[s..s + length]) {
@@ -27,18 +28,19 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
         for (triangles_of_run, vertices_of_run) in runs(corners) {
             let (run, after) = rest.split_at(triangles_of_run);
             rest = after;
-            let (diagonal, surface) = extent(mesh, run);
+            let ([min, max], surface) = extent(mesh, run);
             clusters += 1;
             vertices += vertices_of_run;
-            spread += diagonal;
+            spread += min.distance_squared(max);
             area += surface;
+            whole = [whole[0].min(min), whole[1].max(max)];
         }
     }
     if is_in_parts(mesh) {
         // Lines have no area to compare with. Where clusters lie side by side, the squares of their diagonals add up to a few
         // times that of the whole mesh.
         let all = clusters as f32 * n as f32 / (length * samples) as f32;
-        return clusters > 0 && spread / clusters as f32 * all <= 6.0 * diagonal2(&mesh.positions);
+        return clusters > 0 && spread / clusters as f32 * all <= 6.0 * whole[0].distance_squared(whole[1]);
     }
     // The square of the diagonal is 2.5 times the area for a round flat patch, and 7 times for tiles of 7 x 7 squares
     // when a sample begins inside a tile.
@@ -49,15 +51,6 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
 /// Does the mesh consist of many small parts, so that most triangles have few neighbours, if any?
 pub(super) fn is_in_parts(mesh: &Mesh) -> bool {
     mesh.positions.len() > mesh.triangles.len()
-}
-
-/// Square of the diagonal of a bounding box.
-fn diagonal2(points: &[[f32; 3]]) -> f32 {
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for &p in points {
-        (min, max) = (min.min(p.into()), max.max(p.into()));
-    }
-    if points.is_empty() { 0.0 } else { min.distance_squared(max) }
 }
 
 /// Numbers of triangles and vertices of the clusters that the given order makes.
@@ -78,13 +71,13 @@ fn runs(corners: &[[u16; 3]]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Square of the diagonal of the triangles' bounding box, and their surface area.
-fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> (f32, f32) {
+/// The triangles' bounding box, and their surface area.
+fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> ([Vec3; 2], f32) {
     let (mut min, mut max, mut area) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0);
     for t in triangles {
         let [a, b, c] = t.map(|v| Vec3::from(mesh.positions[v as usize]));
         (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
         area += (b - a).cross(c - a).length() * 0.5;
     }
-    (min.distance_squared(max), area)
+    ([min, max], area)
 }
