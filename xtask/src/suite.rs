@@ -53,7 +53,8 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     let mut total = Counts::default();
     let mut rows = Vec::new();
     let is_chosen = |step: &Step| arguments.only.is_empty() || arguments.only.contains(step);
-    // Optimizing the whole program at once keeps one processor busy, and that for minutes.
+    // Optimizing the whole program at once keeps one processor busy, and that for minutes: it begins with the fuzz targets, and the
+    // time of its own step is what it takes longer than they.
     let mut dist = None;
     for step in Step::value_variants().iter().copied().filter(is_chosen) {
         if step == Step::Fuzz && is_chosen(&Step::Dist) {

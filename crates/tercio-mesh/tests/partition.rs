@@ -248,23 +248,82 @@ fn an_order_without_a_triangle_is_refused() {
     partition_in_order(grid(1, false), vec![1, 1], &PartitionOptions::default());
 }
 
+#[test]
+fn a_given_order_of_several_blocks_is_kept() {
+    let mesh = grid(150, false);
+    let order: Vec<u32> = (0..mesh.triangles.len() as u32).rev().collect();
+    let out = partition_in_order(mesh.clone(), order.clone(), &PartitionOptions::default());
+    check_clusters(&out, &mesh, &PartitionOptions::default());
+    assert!(out.triangles().map(|t| t.0).eq(order));
+}
+
+/// Sum of the squares of the clusters' diagonals.
+fn spread(out: &ClusteredMesh) -> f32 {
+    let extent = |c: &Cluster| Vec3::from(c.max).distance_squared(Vec3::from(c.min));
+    out.clusters().iter().map(extent).sum()
+}
+
 /// Triangles without neighbours, which no cluster can grow over.
 #[test]
 fn clusters_of_separate_triangles_are_full_and_compact() {
-    // In one block, in several, and with cells that are split.
+    // In one block, and in several.
     for (n, scramble) in [(60, false), (60, true), (200, false), (200, true)] {
         let mesh = apart(n, scramble);
         let full = mesh.triangles.len().div_ceil(21);
         for order in [Order::Auto, Order::Spatial] {
             let out = partition(mesh.clone(), &PartitionOptions { order, ..Default::default() });
-            let clusters = out.clusters();
-            assert!(clusters.len() * 10 <= full * 13, "{} clusters, at least {full}", clusters.len());
-            let extent = |c: &Cluster| Vec3::from(c.max).distance_squared(Vec3::from(c.min));
-            let spread: f32 = clusters.iter().map(extent).sum();
+            let count = out.clusters().len();
+            assert!(count * 10 <= full * 13, "{count} clusters, at least {full}");
             // 2 for squares without gaps; the surface is not quite flat.
-            let area = (n * n) as f32;
-            assert!(spread <= 12.0 * area, "{n}, {scramble}, {order:?}: {}", spread / area);
+            let share = spread(&out) / (n * n) as f32;
+            assert!(share <= 12.0, "{n}, {scramble}, {order:?}: {share}");
         }
+    }
+}
+
+#[test]
+fn separate_triangles_in_a_crowded_cell_are_split() {
+    let mut mesh = apart(200, true);
+    let far = mesh.positions.len() - 1;
+    mesh.positions[far] = [1e6, 1e6, 1e6];
+    check(&mesh, &PartitionOptions { order: Order::Spatial, ..Default::default() });
+}
+
+#[test]
+fn a_good_order_of_separate_triangles_is_kept() {
+    // Tiles of 3 x 3 squares, their rows by turns from both sides.
+    let joined = grid(60, false);
+    let mut order: Vec<usize> = (0..joined.triangles.len()).collect();
+    let tile = |i: usize| (i / 2 / 60 / 3, i / 2 % 60 / 3);
+    order.sort_by_key(|&i| (tile(i).0, if tile(i).0 % 2 == 0 { tile(i).1 } else { 20 - tile(i).1 }));
+    let mut tiled = apart(60, false);
+    tiled.triangles = order.iter().map(|&i| tiled.triangles[i]).collect();
+    let keeps_order = |out: &ClusteredMesh| out.triangles().map(|t| t.0).eq(0..out.triangle_count() as u32);
+    assert!(keeps_order(&partition(tiled, &PartitionOptions::default())));
+    assert!(!keeps_order(&partition(apart(60, true), &PartitionOptions::default())));
+}
+
+#[test]
+fn faces_of_a_cluster_are_those_of_its_triangles() {
+    let mesh = grid(30, true);
+    for faces in [mesh.face_of_triangle.clone(), None] {
+        let out = partition(Mesh { face_of_triangle: faces, ..mesh.clone() }, &PartitionOptions::default());
+        for (number, view) in out.views().enumerate() {
+            assert!(out.faces(number).eq((0..view.triangles()).map(|t| out.face(number, t))));
+        }
+    }
+}
+
+/// Vertices that no triangle uses are no parts.
+#[test]
+fn unused_vertices_do_not_change_the_clusters() {
+    for scramble in [false, true] {
+        let mesh = grid(60, scramble);
+        let mut more = mesh.clone();
+        more.positions.extend(vec![[1e3; 3]; 20_000]);
+        let more = self::mesh(more.positions, mesh.triangles.clone());
+        let [out, same] = [mesh, more].map(|mesh| partition(mesh, &PartitionOptions::default()));
+        assert!(out.clusters().iter().map(|c| c.triangles).eq(same.clusters().iter().map(|c| c.triangles)));
     }
 }
 

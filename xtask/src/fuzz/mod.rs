@@ -116,16 +116,16 @@ const MOST_FILES: usize = 2_000;
 pub fn run(arguments: &Arguments) -> Result<()> {
     let programs = build()?;
     if let (Some(target), Some(input)) = (arguments.target, &arguments.input) {
-        return process::run(Command::new(programs.join(target.name())).args(LIMITS).arg(input));
+        return process::run(Command::new(programs.join(target.name())).args(limits(1)).arg(input));
     }
     let mut failed = Vec::new();
     for target in Target::value_variants().iter().copied() {
         if arguments.target.is_some_and(|chosen| chosen != target) {
             continue;
         }
-        let merged = if arguments.merge { merge(target, &programs) } else { Ok(()) };
+        let merged = if arguments.merge { merge(target, &programs, 1) } else { Ok(()) };
         let time = Duration::from_secs(arguments.seconds);
-        if let Err(error) = merged.and_then(|()| fuzz(target, &programs, time, true)) {
+        if let Err(error) = merged.and_then(|()| fuzz(target, &programs, time, 1)) {
             eprintln!("error: {error:#}");
             failed.push(target.name());
         }
@@ -140,12 +140,15 @@ pub fn short_runs(time: Duration) -> Counts {
     if let Err(error) = &programs {
         eprintln!("error: {error:#}");
     }
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    // The targets of all threads, and what else is built meanwhile.
+    let sharing = threads + 1;
     let waiting = Mutex::new(Target::value_variants().iter());
     let counts = Mutex::new(Counts::default());
     let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
     let run_all = || {
         while let Some(target) = next() {
-            let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, false));
+            let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, sharing));
             if let Some(Err(error)) = &result {
                 eprintln!("error: {error:#}");
             }
@@ -153,7 +156,6 @@ pub fn short_runs(time: Duration) -> Counts {
                 Counts::one(matches!(result, Some(Ok(()))));
         }
     };
-    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(run_all))));
     counts.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
@@ -181,8 +183,11 @@ fn build() -> Result<PathBuf> {
     Ok(target_folder()?.join(process::host_triple()?).join("release"))
 }
 
-/// One input may take ten seconds and two gigabytes, as any malformed file may.
-const LIMITS: [&str; 2] = ["-timeout=10", "-rss_limit_mb=2048"];
+/// One input may take ten seconds and two gigabytes, as any malformed file may. The seconds are those of a clock: as many times as long
+/// where so many programs share the processors.
+fn limits(sharing: usize) -> [String; 2] {
+    [format!("-timeout={}", 10 * sharing), "-rss_limit_mb=2048".into()]
+}
 
 /// The folder of a target's inputs that reached new code.
 fn corpus_of(target: Target) -> PathBuf {
@@ -201,7 +206,7 @@ fn artifacts_of(target: Target) -> Result<String> {
 ///
 /// # Errors
 /// A file of the corpus fails: merging would drop it, and the failure would go unnoticed.
-fn merge(target: Target, programs: &Path) -> Result<()> {
+fn merge(target: Target, programs: &Path, sharing: usize) -> Result<()> {
     let corpus = corpus_of(target);
     if !corpus.is_dir() {
         return Ok(());
@@ -209,7 +214,7 @@ fn merge(target: Target, programs: &Path) -> Result<()> {
     let artifacts = artifacts_of(target)?;
     let command = || {
         let mut command = Command::new(programs.join(target.name()));
-        command.args(LIMITS).arg(&artifacts).stdout(Stdio::null());
+        command.args(limits(sharing)).arg(&artifacts).stdout(Stdio::null());
         command
     };
     process::run(command().arg("-runs=0").arg(&corpus))
@@ -240,12 +245,13 @@ fn replace_folder(old: &Path, new: &Path) -> Result<()> {
     Ok(())
 }
 
-fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Result<()> {
+/// Fuzzes a target while so many programs share the processors. If it is alone, what it reports is shown.
+fn fuzz(target: Target, programs: &Path, time: Duration, sharing: usize) -> Result<()> {
     let name = target.name();
     let folder = workspace_root().join("fuzz");
     let corpus = corpus_of(target);
     if corpus.is_dir() && fs::read_dir(&corpus)?.count() > MOST_FILES {
-        merge(target, programs)?;
+        merge(target, programs, sharing)?;
     }
     fs::create_dir_all(&corpus)?;
     let seeds = seeds::write(target, &corpus, LARGEST_INPUT)?;
@@ -253,7 +259,7 @@ fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Resul
     let mut command = Command::new(programs.join(name));
     command
         .current_dir(&folder)
-        .args(LIMITS)
+        .args(limits(sharing))
         .arg(format!("-max_total_time={}", time.as_secs()))
         .arg(format!("-max_len={LARGEST_INPUT}"))
         .arg(format!("-dict=dict/{name}.dict"))
@@ -274,7 +280,7 @@ fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Resul
         log.write_all(&bytes)?;
         let line = String::from_utf8_lossy(&bytes);
         seen.line(line.trim_end());
-        if verbose {
+        if sharing == 1 {
             eprint!("{line}");
         }
         bytes.clear();

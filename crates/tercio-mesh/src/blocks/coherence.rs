@@ -12,7 +12,7 @@ const SAMPLE: usize = 2048;
 const SAMPLES: usize = 16;
 
 /// True if consecutive triangles of the mesh make full and compact clusters, judged by a few samples.
-pub(super) fn is_coherent(mesh: &Mesh) -> bool {
+pub(super) fn is_coherent(mesh: &Mesh, is_in_parts: bool) -> bool {
     let n = mesh.triangles.len();
     let length = SAMPLE.min(n);
     let samples = n.div_ceil(SAMPLE).clamp(1, SAMPLES);
@@ -36,9 +36,9 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
             whole = [whole[0].min(min), whole[1].max(max)];
         }
     }
-    if is_in_parts(mesh) {
-        // Lines have no area to compare with. Where clusters lie side by side, the squares of their diagonals add up to a few
-        // times that of the whole mesh.
+    if is_in_parts {
+        // Lines have no area to compare with. Where clusters lie side by side on a surface, the squares of their diagonals add up to a
+        // few times that of all samples.
         let all = clusters as f32 * n as f32 / (length * samples) as f32;
         return clusters > 0 && spread / clusters as f32 * all <= 6.0 * whole[0].distance_squared(whole[1]);
     }
@@ -48,9 +48,15 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
     full && clusters > 0 && spread <= 8.0 * area
 }
 
-/// Does the mesh consist of many small parts, so that most triangles have few neighbours, if any?
+/// Does the mesh consist of many small open parts, so that most triangles have few neighbours, if any? It has more vertices than
+/// triangles then, not counting those that no triangle uses.
 pub(super) fn is_in_parts(mesh: &Mesh) -> bool {
-    mesh.positions.len() > mesh.triangles.len()
+    if mesh.positions.len() <= mesh.triangles.len() {
+        return false;
+    }
+    let mut is_used = vec![false; mesh.positions.len()];
+    mesh.triangles.as_flattened().iter().for_each(|&v| is_used[v as usize] = true);
+    is_used.into_iter().filter(|&is| is).count() > mesh.triangles.len()
 }
 
 /// Numbers of triangles and vertices of the clusters that the given order makes.

@@ -85,7 +85,7 @@ impl BlockedMesh {
     /// # Panics
     /// If a triangle names a vertex that does not exist, or `order` is not a permutation of the numbers of the triangles.
     pub(crate) fn in_order(mut mesh: Mesh, order: Vec<u32>) -> Self {
-        let blocks = Blocks::of_sequence(&mesh, Sequence::given(&mesh, order), true);
+        let blocks = Blocks::of_sequence(&mesh, Sequence::given(&mesh, order));
         mesh.triangles = Vec::new();
         Self { mesh, blocks }
     }
@@ -103,13 +103,11 @@ impl BlockedMesh {
 
 impl Blocks {
     pub fn new(mesh: &Mesh, order: Order) -> Self {
-        let sequence = Sequence::new(mesh, order);
-        let keeps_order = sequence.order.is_none();
-        Self::of_sequence(mesh, sequence, keeps_order)
+        Self::of_sequence(mesh, Sequence::new(mesh, order))
     }
 
-    fn of_sequence(mesh: &Mesh, sequence: Sequence, keeps_order: bool) -> Self {
-        let Sequence { order, lengths } = sequence;
+    fn of_sequence(mesh: &Mesh, sequence: Sequence) -> Self {
+        let Sequence { order, lengths, is_kept: keeps_order } = sequence;
         let mut corners = vec![[0; 3]; mesh.triangles.len()];
         let mut rest = corners.as_mut_slice();
         let mut first = 0;

@@ -30,6 +30,8 @@ pub(super) struct Sequence {
     pub order: Option<Vec<u32>>,
     /// Triangles of each block, one block after the other.
     pub lengths: Vec<usize>,
+    /// Clusters are to be made of consecutive triangles.
+    pub is_kept: bool,
 }
 
 impl Sequence {
@@ -38,43 +40,45 @@ impl Sequence {
         let mut is_there = vec![false; mesh.triangles.len()];
         order.iter().for_each(|&t| is_there[t as usize] = true);
         assert!(order.len() == is_there.len() && is_there.iter().all(|&is| is), "all triangles, each once");
-        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order) }
+        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order), is_kept: true }
     }
 
     pub fn new(mesh: &Mesh, order: Order) -> Self {
-        match order {
-            Order::File => file(mesh),
-            Order::Auto if coherence::is_coherent(mesh) => file(mesh),
-            Order::Auto | Order::Spatial => spatial(mesh),
+        if order == Order::File {
+            return file(mesh);
+        }
+        let is_in_parts = coherence::is_in_parts(mesh);
+        match order == Order::Auto && coherence::is_coherent(mesh, is_in_parts) {
+            true => file(mesh),
+            false => spatial(mesh, is_in_parts),
         }
     }
 }
 
 /// The order of the mesh, split every [`BLOCK`] triangles.
 fn file(mesh: &Mesh) -> Sequence {
-    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect() }
+    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect(), is_kept: true }
 }
 
 /// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
 ///
 /// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept, unless the triangles have few
-/// neighbours to grow over: then their order has to be spatial itself.
-fn spatial(mesh: &Mesh) -> Sequence {
+/// neighbours to grow over: then their order is spatial itself, and clusters are made of consecutive ones.
+fn spatial(mesh: &Mesh, is_in_parts: bool) -> Sequence {
     let n = mesh.triangles.len();
-    let in_parts = coherence::is_in_parts(mesh);
     if n <= BLOCK {
         let mut order: Vec<u32> = (0..n as u32).collect();
-        if in_parts && n > 0 {
+        if is_in_parts && n > 0 {
             sort_finely(mesh, &mut order, rank_table(FINEST));
         }
-        return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
+        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), is_kept: is_in_parts };
     }
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, cells, ranks.len());
-    let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
-    blocks.gather_cells(mesh, &counts, in_parts);
+    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), is_kept: is_in_parts };
+    blocks.gather_cells(mesh, &counts, is_in_parts);
     blocks
 }
 
@@ -102,10 +106,14 @@ impl Sequence {
             self.lengths.push(open);
             unsorted.extend(sorts_all.then_some(begin - open..begin));
         }
-        if !unsorted.is_empty() {
-            let ranks = rank_table(FINEST);
-            unsorted.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], ranks));
+        let (mut rest, mut place, mut jobs) = (order, 0, Vec::with_capacity(unsorted.len()));
+        for range in unsorted {
+            let (own, after) = rest[range.start - place..].split_at_mut(range.len());
+            (rest, place) = (after, range.end);
+            jobs.push(own);
         }
+        let sort = |own| sort_finely(mesh, own, rank_table(FINEST));
+        jobs.into_par_iter().with_max_len(1).for_each(sort);
     }
 }
 
@@ -170,7 +178,7 @@ fn counting_sort(mesh: &Mesh, cells: Vec<u16>, cell_count: usize) -> (Vec<u32>, 
     (order.into_iter().map(AtomicU32::into_inner).collect(), counts)
 }
 
-/// Sorts the triangles of a crowded cell along a finer curve of their own.
+/// Sorts the triangles of a crowded cell, or of a block, along a finer curve of their own.
 fn sort_finely(mesh: &Mesh, order: &mut [u32], ranks: &[u16]) {
     let point = |t: u32| mesh.positions[mesh.triangles[t as usize][0] as usize];
     let mut min = [f32::INFINITY; 3];

@@ -42,8 +42,7 @@ type Table<T> = Box<[T; 1 << 16]>;
 /// Vertices at the end of the frontier that a search for a seed considers.
 const RECENT: usize = 64;
 
-/// A cluster with room left may continue across a gap of at most this many times its own radius; across one to
-/// a part without neighbours, times that of a disc with the area of its own parts.
+/// A cluster with room left may continue across a gap of at most this many times its own radius.
 const FAR: f32 = 8.0;
 
 impl Default for Grower {
@@ -87,8 +86,6 @@ impl Ground<'_> {
 struct Open {
     triangles: u32,
     room: u32,
-    /// Sum of the squares of its parts' radii.
-    radii2: f32,
 }
 
 /// Result of scanning the triangles around a new vertex.
@@ -142,19 +139,13 @@ impl Grower {
         let mut untouched = 0;
         while self.taken_count < n {
             let mut seed = Some(self.seed(ground, &mut untouched));
-            let mut open = Open { triangles: 0, room: limits.triangles, radii2: 0.0 };
+            let mut open = Open { triangles: 0, room: limits.triangles };
             self.rim.clear();
             while let Some(triangle) = seed {
-                let (first, members) = (self.taken_count, self.members.len());
+                let first = self.taken_count;
                 self.grow(ground, triangle, &mut open, limits);
                 self.finish(ground, first, &mut cut.corners);
-                seed = match self.members.len() + 3 <= limits.vertices as usize && open.room > 0 {
-                    true => {
-                        open.radii2 += self.radius2(ground, members);
-                        self.seed_nearby(ground, &open, &mut untouched)
-                    }
-                    false => None,
-                };
+                seed = self.seed_nearby(ground, &open, limits);
             }
             cut.vertices.extend_from_slice(&self.members);
             let own = self.taken_count - open.triangles as usize..self.taken_count;
@@ -252,49 +243,28 @@ impl Grower {
         {
             return t;
         }
-        self.first_free(untouched)
-    }
-
-    /// The first triangle of the block that belongs to no cluster; there must be one.
-    fn first_free(&self, untouched: &mut usize) -> u16 {
         while self.free[*untouched] == 0 {
             *untouched += 1;
         }
         *untouched as u16
     }
 
-    /// Square of the radius of the open cluster's members from number `first` on, round their middle.
-    fn radius2(&self, ground: &Ground, first: usize) -> f32 {
-        let members = &self.members[first..];
-        let middle = self.middle(ground, first);
-        members.iter().map(|&v| ground.position(v).distance_squared(middle)).fold(0.0, f32::max)
-    }
-
-    /// The mean of the open cluster's members from number `first` on.
-    fn middle(&self, ground: &Ground, first: usize) -> Vec3 {
-        let members = &self.members[first..];
-        members.iter().map(|&v| ground.position(v)).sum::<Vec3>() / members.len().max(1) as f32
-    }
-
-    /// A triangle to continue with, near a cluster that has room but an empty rim. If no finished cluster has free triangles on its
-    /// outline, the next one of the block, whose order is spatial: a mesh of many small parts would have a cluster for each.
-    fn seed_nearby(&mut self, ground: &Ground, open: &Open, untouched: &mut usize) -> Option<u16> {
-        self.sweep();
-        let middle = self.middle(ground, 0);
-        let distance2 = |v: u16| ground.position(v).distance_squared(middle);
-        match self.recent().map(|v| (distance2(v), v)).min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((nearest2, nearest)) => {
-                let is_near = nearest2 <= FAR * FAR * self.radius2(ground, 0);
-                is_near.then(|| self.seed_at(ground, nearest))?
-            }
-            None if self.taken_count < ground.triangles.len() => {
-                let next = self.first_free(untouched);
-                // As far as a disc of the same area as all parts reaches.
-                let most2 = FAR * FAR * open.radii2;
-                ground.triangles[usize::from(next)].iter().any(|&v| distance2(v) <= most2).then_some(next)
-            }
-            None => None,
+    /// A triangle to continue with, near a cluster that has room but an empty rim.
+    fn seed_nearby(&mut self, ground: &Ground, open: &Open, limits: Limits) -> Option<u16> {
+        if self.members.len() + 3 > limits.vertices as usize || open.room == 0 {
+            return None;
         }
+        self.sweep();
+        let sum: Vec3 = self.members.iter().map(|&v| ground.position(v)).sum();
+        let center = sum / self.members.len() as f32;
+        let distance2 = |v: u16| ground.position(v).distance_squared(center);
+        let reach2 = self.members.iter().map(|&v| distance2(v)).fold(0.0, f32::max);
+        let (nearest2, nearest) =
+            self.recent().map(|v| (distance2(v), v)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if nearest2 > FAR * FAR * reach2 {
+            return None;
+        }
+        self.seed_at(ground, nearest)
     }
 
     /// The triangle at a vertex whose corners have the fewest free triangles.

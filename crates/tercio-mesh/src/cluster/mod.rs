@@ -5,12 +5,12 @@
 //! layout. A vertex that several clusters share is stored in each of them.
 //!
 //! The modules in the order of the work: [`partition`] is the entry point ([`partition_in_order`] where the caller knows
-//! which triangles are near each other), [`crate::blocks`] bring neighbouring triangles together, `runs` or `grow` (with the `rim` of the open cluster) splits a block into clusters, `gather`
-//! writes their memory (`layout` defines it), `bounds` computes each cluster's box and cone, with which
-//! `farthest` measures the mesh. [`cone`] holds the
-//! culling tests that a renderer makes with them. A mesh may be a `part` of a model that several processes hold; `transfer`
-//! writes clusters of a part as bytes and makes a mesh of those from several parts, after `check` has verified what a
-//! renderer relies on.
+//! which triangles are near each other), [`crate::blocks`] bring neighbouring triangles together, `runs` or `grow` (with
+//! the `rim` of the open cluster) splits a block into clusters, `gather` writes their memory (`layout` defines it),
+//! `bounds` computes each cluster's box and cone, with which `farthest` measures the mesh. [`cone`] holds the culling
+//! tests that a renderer makes with them. A mesh may be a `part` of a model that several processes hold; `transfer` writes
+//! clusters of a part as bytes and makes a mesh of those from several parts, after `check` has verified what a renderer
+//! relies on.
 
 mod bounds;
 mod buffer;

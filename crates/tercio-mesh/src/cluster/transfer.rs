@@ -261,6 +261,7 @@ mod tests {
                 assert_eq!(new_view.primitive(t), old_view.primitive(t) + 7);
                 assert_eq!(read.face(new, t), mesh.face(old, t) + 5);
             }
+            assert!(read.faces(new).eq(mesh.faces(old).map(|face| face + 5)));
         }
         let all = write_clusters(&mesh, 0..count, u64::from(u32::MAX) - 10, None, &mut bytes);
         assert_eq!(all, Err(TransferError::Numbers { what: "primitive numbers" }));

@@ -199,3 +199,46 @@ pub fn draw<T: Sync>(
     };
     strokes.par_chunks(CHUNK).filter_map(chunk).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raster::view::View;
+    use crate::strokes::{Length, Segment, segments};
+
+    /// Pictures do not depend on the order of strokes in clusters; only what they cost does.
+    #[test]
+    fn clusters_of_strokes_are_full_and_compact() {
+        let model = crate::load("builtin:sphere@1k").expect("a model");
+        let scene = crate::Scene::from_mesh(model.mesh);
+        let camera = crate::Settings::new(320, 240).framing().camera_for_scene(&scene);
+        let eye = Eye::new(View::new(&camera, &scene.bounds(), 320, 240).expect("a camera"));
+        let (n, from, size) = (60, scene.bounds().min, scene.bounds().size());
+        // A square of short lines, neighbours far from each other in the list.
+        let line = |i: u32| {
+            let number = i * 1009 % (n * n);
+            let at = DVec3::new(f64::from(number % n), f64::from(number / n), 0.0) / f64::from(n);
+            let ends = [from + at * size.x, from + (at + DVec3::X * 0.5 / f64::from(n)) * size.x];
+            Segment { ends, width: Length::Pixels(1.0), color: [0, 0, 0, 255] }
+        };
+        let lines: Vec<Segment> = (0..n * n).map(line).collect();
+        let [instance] = &segments(&eye, &lines)[..] else { panic!("one sheet") };
+        let clusters = instance.mesh.clusters();
+        let least = instance.mesh.vertex_count().div_ceil(64);
+        assert!(clusters.len() * 10 <= least * 13, "{} clusters, at least {least}", clusters.len());
+        let unit = instance.mesh.unit();
+        let diagonal2 = |c: &tercio_mesh::cluster::Cluster| {
+            (Vec3::from(c.max) - Vec3::from(c.min)).as_dvec3().length_squared() * unit * unit
+        };
+        let share = clusters.iter().map(diagonal2).sum::<f64>() / (size.x * size.x);
+        assert!(share <= 12.0, "{share} times the area");
+    }
+
+    #[test]
+    fn cells_of_a_cube_have_neighbouring_numbers() {
+        let numbers = (0..8).map(|i| morton(UVec3::new(i >> 2 & 1, i >> 1 & 1, i & 1)));
+        assert!(numbers.eq(0..8));
+        assert_eq!(morton(UVec3::splat(1023)), (1 << 30) - 1);
+        assert_eq!(morton(UVec3::new(512, 0, 1)), 1 << 29 | 1);
+    }
+}

@@ -6,7 +6,8 @@ use tercio_mesh::loops::prelude::*;
 
 use super::eye::Eye;
 
-/// Square of the sine of the angle at which a triangle counts as seen from the side; of one as high as the whole model.
+/// A triangle counts as seen from the side if its apex is nearer to the plane through the viewer and the edge than the diagonal of the
+/// model times the root of this.
 const EDGE_ON2: f64 = 1e-18;
 
 /// Vertices of edges as the viewer sees them, in the units of their positions.
@@ -15,8 +16,8 @@ pub struct Sight {
     positions: Vec<DVec3>,
     /// The direction of sight of an orthographic camera.
     direction: Option<DVec3>,
-    /// Square of the length of an edge that is longer than all.
-    longest2: f64,
+    /// Square of the diagonal of the model: no edge is longer.
+    diagonal2: f64,
 }
 
 impl Sight {
@@ -33,9 +34,9 @@ impl Sight {
         for &p in &edges.positions {
             (min, max) = (min.min(p.into()), max.max(p.into()));
         }
-        let longest2 = (max.as_dvec3() - min.as_dvec3()).length_squared();
+        let diagonal2 = (max.as_dvec3() - min.as_dvec3()).length_squared();
         let relative = |p: &[f32; 3]| DVec3::from(p.map(f64::from)) - from;
-        Self { positions: edges.positions.par_iter().map(relative).collect(), direction, longest2 }
+        Self { positions: edges.positions.par_iter().map(relative).collect(), direction, diagonal2 }
     }
 
     /// Are the two triangles of an edge on both sides of the plane through the viewer and the edge, so that it lies between them on
@@ -49,7 +50,7 @@ impl Sight {
         let from = at(edge.ends[0]);
         let plane = (at(edge.ends[1]) - from).cross(self.direction.unwrap_or(from));
         let [a, b] = [a, b].map(|v| plane.dot(at(v) - from));
-        let limit2 = EDGE_ON2 * plane.length_squared() * self.longest2;
+        let limit2 = EDGE_ON2 * plane.length_squared() * self.diagonal2;
         (a < 0.0) != (b < 0.0) && a * a > limit2 && b * b > limit2
     }
 }
