@@ -192,8 +192,7 @@ fn calibrated() -> Place {
         // From few frames beside other tests no cost of triangles and clusters may be found, without which nothing is predicted.
         let has_costs = |description: &Vec<u8>| {
             let text = String::from_utf8_lossy(description);
-            let is_cost = |line: &str| line.starts_with("polygon =") || line.starts_with("cluster-drawn =");
-            text.lines().any(is_cost)
+            text.lines().any(|line| matches!(line, "[costs.polygon]" | "[costs.cluster-drawn]"))
         };
         (0..3).map(|_| measured()).find(has_costs).expect("costs of triangles or clusters")
     });
