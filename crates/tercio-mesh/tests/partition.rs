@@ -257,6 +257,16 @@ fn a_given_order_of_several_blocks_is_kept() {
     assert!(out.triangles().map(|t| t.0).eq(order));
 }
 
+/// Do the clusters hold the triangles in the order of the mesh?
+fn keeps_order(out: &ClusteredMesh) -> bool {
+    out.triangles().map(|t| t.0).eq(0..out.triangle_count() as u32)
+}
+
+/// Row and column of the tile of `size` x `size` squares that a triangle of a [`grid`] of `n` x `n` squares is in.
+fn tile(triangle: usize, n: usize, size: usize) -> (usize, usize) {
+    (triangle / 2 / n / size, triangle / 2 % n / size)
+}
+
 /// Sum of the squares of the clusters' diagonals.
 fn spread(out: &ClusteredMesh) -> f32 {
     let extent = |c: &Cluster| Vec3::from(c.max).distance_squared(Vec3::from(c.min));
@@ -294,11 +304,12 @@ fn a_good_order_of_separate_triangles_is_kept() {
     // Tiles of 3 x 3 squares, their rows by turns from both sides.
     let joined = grid(60, false);
     let mut order: Vec<usize> = (0..joined.triangles.len()).collect();
-    let tile = |i: usize| (i / 2 / 60 / 3, i / 2 % 60 / 3);
-    order.sort_by_key(|&i| (tile(i).0, if tile(i).0 % 2 == 0 { tile(i).1 } else { 20 - tile(i).1 }));
+    order.sort_by_key(|&i| match tile(i, 60, 3) {
+        (row, column) if row % 2 == 0 => (row, column),
+        (row, column) => (row, 20 - column),
+    });
     let mut tiled = apart(60, false);
     tiled.triangles = order.iter().map(|&i| tiled.triangles[i]).collect();
-    let keeps_order = |out: &ClusteredMesh| out.triangles().map(|t| t.0).eq(0..out.triangle_count() as u32);
     assert!(keeps_order(&partition(tiled, &PartitionOptions::default())));
     assert!(!keeps_order(&partition(apart(60, true), &PartitionOptions::default())));
 }
@@ -342,21 +353,17 @@ fn many_blocks() {
 fn every_number_of_threads_gives_the_same_bytes() {
     for scramble in [false, true] {
         for order in [Order::Auto, Order::File, Order::Spatial] {
-            let run = |threads| {
+            let run = |mesh: Mesh, threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let options = PartitionOptions { order, ..Default::default() };
-                pool.install(|| print(&partition(grid(400, scramble), &options)))
+                pool.install(|| print(&partition(mesh, &options)))
             };
-            let one = run(1);
+            let one = run(grid(400, scramble), 1);
             for threads in [2, 3, 7] {
-                assert!(one == run(threads), "{threads} threads, {order:?}");
+                assert!(one == run(grid(400, scramble), threads), "{threads} threads, {order:?}");
             }
-            let run = |threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let options = PartitionOptions { order, ..Default::default() };
-                pool.install(|| print(&partition(apart(150, scramble), &options)))
-            };
-            assert!(run(1) == run(3), "triangles apart, {order:?}");
+            let apart = apart(150, scramble);
+            assert!(run(apart.clone(), 1) == run(apart, 3), "triangles apart, {order:?}");
         }
     }
 }
@@ -365,13 +372,10 @@ fn every_number_of_threads_gives_the_same_bytes() {
 fn a_good_order_is_kept_and_a_bad_one_is_not() {
     // Tiles of 7 x 7 squares: 98 triangles over 64 vertices each.
     let mut mesh = grid(140, false);
-    let tile = |i: usize| (i / 2 / 140 / 7, i / 2 % 140 / 7);
     let mut order: Vec<usize> = (0..mesh.triangles.len()).collect();
-    order.sort_by_key(|&i| tile(i));
+    order.sort_by_key(|&i| tile(i, 140, 7));
     mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
     let kept = partition(mesh, &PartitionOptions::default());
-    let keeps_order =
-        |mesh: &ClusteredMesh| mesh.triangles().map(|t| t.0).eq(0..mesh.triangle_count() as u32);
     assert!(keeps_order(&kept));
     assert_eq!(kept.clusters().len(), 400);
     assert!(!keeps_order(&partition(grid(140, true), &PartitionOptions::default())));

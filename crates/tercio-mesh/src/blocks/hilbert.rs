@@ -31,7 +31,13 @@ pub(super) fn rank([x, y, z]: [u32; 3], bits: u32) -> u32 {
         }
         q >>= 1;
     }
-    spread(v[0] ^ flip) << 2 | spread(v[1] ^ flip) << 1 | spread(v[2] ^ flip)
+    interleave(v.map(|word| word ^ flip))
+}
+
+/// The low ten bits of three numbers by turns, those of the first one in front: position along the Morton curve of cell (x, y, z) of a
+/// cube. Cells whose positions are near each other are near each other.
+pub fn interleave([x, y, z]: [u32; 3]) -> u32 {
+    spread(x) << 2 | spread(y) << 1 | spread(z)
 }
 
 /// Puts two zero bits between any two of the low ten bits.
@@ -46,6 +52,14 @@ fn spread(v: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bits_are_taken_by_turns() {
+        let numbers = (0..8).map(|i| interleave([i >> 2 & 1, i >> 1 & 1, i & 1]));
+        assert!(numbers.eq(0..8));
+        assert_eq!(interleave([1023; 3]), (1 << 30) - 1);
+        assert_eq!(interleave([512, 0, 1]), 1 << 29 | 1);
+    }
 
     #[test]
     fn the_curve_visits_every_cell_once_and_steps_to_a_neighbour() {

@@ -12,6 +12,7 @@ mod numbering;
 pub(crate) mod order;
 
 pub(crate) use around::{Around, Corner};
+pub use hilbert::interleave;
 pub(crate) use numbering::Numbering;
 pub use order::Order;
 
@@ -107,7 +108,7 @@ impl Blocks {
     }
 
     fn of_sequence(mesh: &Mesh, sequence: Sequence) -> Self {
-        let Sequence { order, lengths, is_kept: keeps_order } = sequence;
+        let Sequence { order, lengths, keeps_order } = sequence;
         let mut corners = vec![[0; 3]; mesh.triangles.len()];
         let mut rest = corners.as_mut_slice();
         let mut first = 0;

@@ -31,7 +31,7 @@ pub(super) struct Sequence {
     /// Triangles of each block, one block after the other.
     pub lengths: Vec<usize>,
     /// Clusters are to be made of consecutive triangles.
-    pub is_kept: bool,
+    pub keeps_order: bool,
 }
 
 impl Sequence {
@@ -40,7 +40,7 @@ impl Sequence {
         let mut is_there = vec![false; mesh.triangles.len()];
         order.iter().for_each(|&t| is_there[t as usize] = true);
         assert!(order.len() == is_there.len() && is_there.iter().all(|&is| is), "all triangles, each once");
-        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order), is_kept: true }
+        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order), keeps_order: true }
     }
 
     pub fn new(mesh: &Mesh, order: Order) -> Self {
@@ -57,7 +57,7 @@ impl Sequence {
 
 /// The order of the mesh, split every [`BLOCK`] triangles.
 fn file(mesh: &Mesh) -> Sequence {
-    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect(), is_kept: true }
+    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect(), keeps_order: true }
 }
 
 /// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
@@ -71,21 +71,22 @@ fn spatial(mesh: &Mesh, is_in_parts: bool) -> Sequence {
         if is_in_parts && n > 0 {
             sort_finely(mesh, &mut order, rank_table(FINEST));
         }
-        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), is_kept: is_in_parts };
+        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), keeps_order: is_in_parts };
     }
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, cells, ranks.len());
-    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), is_kept: is_in_parts };
-    blocks.gather_cells(mesh, &counts, is_in_parts);
+    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), keeps_order: is_in_parts };
+    blocks.gather_cells(mesh, &counts);
     blocks
 }
 
 impl Sequence {
-    /// Joins neighbouring cells into blocks, and splits cells with too many triangles. Sorts inside these cells; inside all blocks, if
-    /// `sorts_all`.
-    fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize], sorts_all: bool) {
+    /// Joins neighbouring cells into blocks, and splits cells with too many triangles. Sorts inside these cells; inside all
+    /// blocks, if clusters are made of consecutive triangles.
+    fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize]) {
+        let sorts_all = self.keeps_order;
         let order = self.order.as_mut().map_or(&mut [][..], |o| &mut o[..]);
         let (mut open, mut begin, mut unsorted) = (0, 0, Vec::new());
         for &count in counts {

@@ -75,8 +75,8 @@ pub fn write_clusters(
         out.extend_from_slice(bytes_of(&head));
         out.extend_from_slice(&cast_slice::<Line, u8>(mesh.stretch(cluster))[size_of::<Cluster>()..]);
         let Some(first_face) = first_face else { continue };
-        for triangle in 0..view.triangles() {
-            let face = first_face.saturating_add(u64::from(mesh.face(cluster, triangle)));
+        for face in mesh.faces(cluster) {
+            let face = first_face.saturating_add(u64::from(face));
             let face = u32::try_from(face).map_err(|_| TransferError::Numbers { what: "face numbers" })?;
             out.extend(face.to_le_bytes());
         }

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, UVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
+use tercio_mesh::blocks::interleave;
 use tercio_mesh::cluster::{PartitionOptions, partition_in_order};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
@@ -86,10 +87,10 @@ impl<'a> Sheet<'a> {
             (min, max) = (min.min(p), max.max(p));
         }
         let scale = CELLS / (max - min).max_element();
-        let cell = |p: Vec3| ((p - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3();
+        let cell = |p: Vec3| ((p - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3().to_array();
         let ends = self.starts.iter().skip(1).map(|start| start[1]).chain([self.triangles.len() as u32]);
         let strokes = self.starts.iter().zip(ends).filter(|(start, end)| start[1] < *end);
-        let key = |start| first(start).map_or(0, |p| morton(cell(p)));
+        let key = |start| first(start).map_or(0, |p| interleave(cell(p)));
         let mut sorted: Vec<(u32, Range<u32>)> =
             strokes.map(|(start, end)| (key(start), start[1]..end)).collect();
         sorted.sort_by_key(|stroke| stroke.0);
@@ -166,17 +167,6 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// The bits of the coordinates of a cell by turns, so that cells with numbers near each other are near each other.
-fn morton(cell: UVec3) -> u32 {
-    let spread = |v: u32| {
-        let v = (v | v << 16) & 0x0300_00ff;
-        let v = (v | v << 8) & 0x0300_f00f;
-        let v = (v | v << 4) & 0x030c_30c3;
-        (v | v << 2) & 0x0924_9249
-    };
-    spread(cell.x) << 2 | spread(cell.y) << 1 | spread(cell.z)
-}
-
 fn values(inks: &[Ink], offset: f64) -> Attribute {
     let values = inks.iter().map(|ink| ink.value).collect();
     Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values, offset }
@@ -232,13 +222,5 @@ mod tests {
         };
         let share = clusters.iter().map(diagonal2).sum::<f64>() / (size.x * size.x);
         assert!(share <= 12.0, "{share} times the area");
-    }
-
-    #[test]
-    fn cells_of_a_cube_have_neighbouring_numbers() {
-        let numbers = (0..8).map(|i| morton(UVec3::new(i >> 2 & 1, i >> 1 & 1, i & 1)));
-        assert!(numbers.eq(0..8));
-        assert_eq!(morton(UVec3::splat(1023)), (1 << 30) - 1);
-        assert_eq!(morton(UVec3::new(512, 0, 1)), 1 << 29 | 1);
     }
 }
