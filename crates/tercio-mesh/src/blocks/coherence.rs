@@ -12,13 +12,12 @@ const SAMPLE: usize = 2048;
 const SAMPLES: usize = 16;
 
 /// True if consecutive triangles of the mesh make full and compact clusters, judged by a few samples.
-pub(super) fn is_coherent(mesh: &Mesh, is_in_parts: bool) -> bool {
+pub(super) fn is_coherent(mesh: &Mesh) -> bool {
     let n = mesh.triangles.len();
     let length = SAMPLE.min(n);
     let samples = n.div_ceil(SAMPLE).clamp(1, SAMPLES);
     let starts = (0..samples).map(|i| (n - length) / (samples - 1).max(1) * i);
     let (mut clusters, mut vertices, mut spread, mut area) = (0, 0, 0.0, 0.0);
-    let mut whole = [Vec3::INFINITY, Vec3::NEG_INFINITY];
     let mut numbering = Numbering::default();
     let mut corners = [[0; 3]; SAMPLE];
     for triangles in starts.map(|s| &mesh.triangles[s..s + length]) {
@@ -28,35 +27,17 @@ pub(super) fn is_coherent(mesh: &Mesh, is_in_parts: bool) -> bool {
         for (triangles_of_run, vertices_of_run) in runs(corners) {
             let (run, after) = rest.split_at(triangles_of_run);
             rest = after;
-            let ([min, max], surface) = extent(mesh, run);
+            let (diagonal, surface) = extent(mesh, run);
             clusters += 1;
             vertices += vertices_of_run;
-            spread += min.distance_squared(max);
+            spread += diagonal;
             area += surface;
-            whole = [whole[0].min(min), whole[1].max(max)];
         }
-    }
-    if is_in_parts {
-        // Lines have no area to compare with. Where clusters lie side by side on a surface, the squares of their diagonals add up to a
-        // few times that of all samples.
-        let all = clusters as f32 * n as f32 / (length * samples) as f32;
-        return clusters > 0 && spread / clusters as f32 * all <= 6.0 * whole[0].distance_squared(whole[1]);
     }
     // The square of the diagonal is 2.5 times the area for a round flat patch, and 7 times for tiles of 7 x 7 squares
     // when a sample begins inside a tile.
     let full = vertices as f32 <= 0.75 * (length * samples) as f32;
     full && clusters > 0 && spread <= 8.0 * area
-}
-
-/// Does the mesh consist of many small open parts, so that most triangles have few neighbours, if any? It has more vertices than
-/// triangles then, not counting those that no triangle uses.
-pub(super) fn is_in_parts(mesh: &Mesh) -> bool {
-    if mesh.positions.len() <= mesh.triangles.len() {
-        return false;
-    }
-    let mut is_used = vec![false; mesh.positions.len()];
-    mesh.triangles.as_flattened().iter().for_each(|&v| is_used[v as usize] = true);
-    is_used.into_iter().filter(|&is| is).count() > mesh.triangles.len()
 }
 
 /// Numbers of triangles and vertices of the clusters that the given order makes.
@@ -77,13 +58,13 @@ fn runs(corners: &[[u16; 3]]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// The triangles' bounding box, and their surface area.
-fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> ([Vec3; 2], f32) {
+/// Square of the diagonal of the triangles' bounding box, and their surface area.
+fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> (f32, f32) {
     let (mut min, mut max, mut area) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0);
     for t in triangles {
         let [a, b, c] = t.map(|v| Vec3::from(mesh.positions[v as usize]));
         (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
         area += (b - a).cross(c - a).length() * 0.5;
     }
-    ([min, max], area)
+    (min.distance_squared(max), area)
 }

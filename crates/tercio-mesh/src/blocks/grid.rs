@@ -1,6 +1,6 @@
 //! A cube of grid cells around a mesh.
 
-use std::sync::OnceLock;
+use crate::loops::prelude::*;
 
 use super::hilbert;
 use crate::Mesh;
@@ -54,13 +54,11 @@ impl Grid {
 }
 
 /// Position along the Hilbert curve of each cell of a grid of at most [`FINEST`] bits.
-pub(super) fn rank_table(bits: u32) -> &'static [u16] {
-    static TABLES: [OnceLock<Vec<u16>>; FINEST as usize + 1] =
-        [const { OnceLock::new() }; FINEST as usize + 1];
+pub(super) fn rank_table(bits: u32) -> Vec<u16> {
     let low = (1u32 << bits) - 1;
-    // Not in parallel: a thread that waits for others may get work that needs the table.
-    TABLES[bits as usize].get_or_init(|| {
-        let rank = |i: u32| hilbert::rank([i & low, i >> bits & low, i >> (2 * bits)], bits) as u16;
-        (0..1u32 << (3 * bits)).map(rank).collect()
-    })
+    (0..1u32 << (3 * bits))
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map(|i| hilbert::rank([i & low, i >> bits & low, i >> (2 * bits)], bits) as u16)
+        .collect()
 }

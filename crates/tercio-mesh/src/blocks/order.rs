@@ -44,13 +44,10 @@ impl Sequence {
     }
 
     pub fn new(mesh: &Mesh, order: Order) -> Self {
-        if order == Order::File {
-            return file(mesh);
-        }
-        let is_in_parts = coherence::is_in_parts(mesh);
-        match order == Order::Auto && coherence::is_coherent(mesh, is_in_parts) {
-            true => file(mesh),
-            false => spatial(mesh, is_in_parts),
+        match order {
+            Order::File => file(mesh),
+            Order::Auto if coherence::is_coherent(mesh) => file(mesh),
+            Order::Auto | Order::Spatial => spatial(mesh),
         }
     }
 }
@@ -62,41 +59,34 @@ fn file(mesh: &Mesh) -> Sequence {
 
 /// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
 ///
-/// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept, unless the triangles have few
-/// neighbours to grow over: then their order is spatial itself, and clusters are made of consecutive ones.
-fn spatial(mesh: &Mesh, is_in_parts: bool) -> Sequence {
+/// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept.
+fn spatial(mesh: &Mesh) -> Sequence {
     let n = mesh.triangles.len();
     if n <= BLOCK {
-        let mut order: Vec<u32> = (0..n as u32).collect();
-        if is_in_parts && n > 0 {
-            sort_finely(mesh, &mut order, rank_table(FINEST));
-        }
-        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), keeps_order: is_in_parts };
+        let order = (0..n as u32).collect();
+        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), keeps_order: false };
     }
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, cells, ranks.len());
-    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), keeps_order: is_in_parts };
+    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), keeps_order: false };
     blocks.gather_cells(mesh, &counts);
     blocks
 }
 
 impl Sequence {
-    /// Joins neighbouring cells into blocks, and splits cells with too many triangles. Sorts inside these cells; inside all
-    /// blocks, if clusters are made of consecutive triangles.
+    /// Joins neighbouring cells into blocks, and splits cells with too many triangles.
     fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize]) {
-        let sorts_all = self.keeps_order;
         let order = self.order.as_mut().map_or(&mut [][..], |o| &mut o[..]);
-        let (mut open, mut begin, mut unsorted) = (0, 0, Vec::new());
+        let (mut open, mut begin, mut crowded) = (0, 0, Vec::new());
         for &count in counts {
             if open + count > BLOCK && open > 0 {
                 self.lengths.push(open);
-                unsorted.extend(sorts_all.then_some(begin - open..begin));
                 open = 0;
             }
             if count > BLOCK {
-                unsorted.push(begin..begin + count);
+                crowded.push(begin..begin + count);
                 self.lengths.extend(cut_evenly(count));
             } else {
                 open += count;
@@ -105,16 +95,11 @@ impl Sequence {
         }
         if open > 0 {
             self.lengths.push(open);
-            unsorted.extend(sorts_all.then_some(begin - open..begin));
         }
-        let (mut rest, mut place, mut jobs) = (order, 0, Vec::with_capacity(unsorted.len()));
-        for range in unsorted {
-            let (own, after) = rest[range.start - place..].split_at_mut(range.len());
-            (rest, place) = (after, range.end);
-            jobs.push(own);
+        if !crowded.is_empty() {
+            let ranks = rank_table(FINEST);
+            crowded.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], &ranks));
         }
-        let sort = |own| sort_finely(mesh, own, rank_table(FINEST));
-        jobs.into_par_iter().with_max_len(1).for_each(sort);
     }
 }
 
@@ -179,7 +164,7 @@ fn counting_sort(mesh: &Mesh, cells: Vec<u16>, cell_count: usize) -> (Vec<u32>, 
     (order.into_iter().map(AtomicU32::into_inner).collect(), counts)
 }
 
-/// Sorts the triangles of a crowded cell, or of a block, along a finer curve of their own.
+/// Sorts the triangles of a crowded cell along a finer curve of their own.
 fn sort_finely(mesh: &Mesh, order: &mut [u32], ranks: &[u16]) {
     let point = |t: u32| mesh.positions[mesh.triangles[t as usize][0] as usize];
     let mut min = [f32::INFINITY; 3];
