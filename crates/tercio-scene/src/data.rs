@@ -254,11 +254,16 @@ impl DataReader {
         }
     }
 
+    /// Whether vertices or triangles of a mesh have the values.
+    pub fn domain(&self, mesh: &ClusteredMesh) -> AttributeDomain {
+        self.source.domain(mesh.layout())
+    }
+
     /// Calls `see` with the value of every vertex or triangle of a mesh, by cluster: vertices in several clusters are seen several
     /// times.
     pub fn each(&self, mesh: &ClusteredMesh, cluster: usize, mut see: impl FnMut(f32)) {
         let view = mesh.cluster(cluster);
-        match self.source.domain(mesh.layout()) {
+        match self.domain(mesh) {
             AttributeDomain::Vertex => (0..view.vertices()).for_each(|v| see(self.vertex(&view, v))),
             AttributeDomain::Triangle => {
                 (0..view.triangles()).for_each(|t| see(self.triangle(mesh, cluster, &view, t)));

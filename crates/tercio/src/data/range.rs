@@ -1,6 +1,6 @@
-//! The range of values that triangles use. Vertices in several clusters count several times.
+//! The range of values that triangles use.
 
-use tercio_mesh::ClusteredMesh;
+use tercio_mesh::{AttributeDomain, ClusteredMesh};
 use tercio_mesh::loops::prelude::*;
 use tercio_scene::DataReader;
 
@@ -56,6 +56,28 @@ impl Values<'_> {
             }
         }
     }
+
+    /// Are the values of the surface those of vertices?
+    fn is_of_vertices(&self) -> bool {
+        self.surface
+            .as_ref()
+            .is_some_and(|(reader, mesh)| reader.domain(mesh) == AttributeDomain::Vertex)
+    }
+
+    /// As [`Values::each`], with the positions of vertices of the surface; those of what else there is are 0.
+    fn each_at(&self, piece: usize, mut see: impl FnMut([f32; 3], f32)) {
+        match &self.surface {
+            Some((reader, mesh)) if piece < self.clusters() && self.is_of_vertices() => {
+                let cluster = mesh.cluster(piece);
+                let mut vertex = 0;
+                reader.each(mesh, piece, |value| {
+                    see(cluster.position(vertex), value);
+                    vertex += 1;
+                });
+            }
+            _ => self.each(piece, |value| see([0.0; 3], value)),
+        }
+    }
 }
 
 /// What is known of some values.
@@ -105,50 +127,36 @@ fn value(key: u32) -> f32 {
 }
 
 /// The value that this share of the finite values is at most (the nearest one: no mean of two); of those above 0 if `positive`. 0 if
-/// there is none.
+/// there is none. Every vertex counts once, however many clusters have it, so that clusters do not matter: those of one position
+/// and one value are one.
 pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f64 {
-    const HALF: usize = 1 << 16;
-    // Counts by the upper half of the key, then, of those with the half that is looked for, by the lower one.
-    let count = |upper: Option<u32>| {
-        let add = |mut counts: Vec<u64>, piece: usize| {
-            values.each(piece, |value| {
-                let key = sort_key(value);
-                let is_counted = value.is_finite() && (!positive || values.offset + f64::from(value) > 0.0);
-                match upper {
-                    None if is_counted => counts[(key >> 16) as usize] += 1,
-                    Some(upper) if is_counted && key >> 16 == upper => counts[(key & 0xffff) as usize] += 1,
-                    _ => {}
-                }
-            });
-            counts
-        };
-        let sum = |mut a: Vec<u64>, b: Vec<u64>| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            a
-        };
-        let none = || vec![0; HALF];
-        // The counts of all pieces are in memory at a time: one piece a thread.
-        let least = values.pieces().div_ceil(rayon::current_num_threads()).max(1024);
-        (0..values.pieces()).into_par_iter().with_min_len(least).fold(none, add).reduce(none, sum)
+    let is_counted =
+        |value: f32| value.is_finite() && (!positive || values.offset + f64::from(value) > 0.0);
+    let of_piece = |piece: usize| {
+        let mut counted = Vec::new();
+        values.each_at(piece, |position, value| {
+            let [x, y, z] = position.map(f32::to_bits);
+            // -0 is 0.
+            counted.extend(is_counted(value).then(|| [x, y, z, sort_key(value + 0.0)]));
+        });
+        counted
     };
-    let coarse = count(None);
-    let all: u64 = coarse.iter().sum();
-    if all == 0 {
+    let surface = values.clusters();
+    let mut at_vertices: Vec<[u32; 4]> = match values.is_of_vertices() {
+        true => (0..surface).into_par_iter().flat_map_iter(of_piece).collect(),
+        false => Vec::new(),
+    };
+    at_vertices.par_sort_unstable();
+    at_vertices.dedup();
+    let elsewhere = if values.is_of_vertices() { surface } else { 0 }..values.pieces();
+    let mut keys: Vec<u32> = elsewhere.into_par_iter().flat_map_iter(of_piece).map(|[.., key]| key).collect();
+    keys.extend(at_vertices.iter().map(|[.., key]| key));
+    if keys.is_empty() {
         return 0.0;
     }
-    let mut left = (share.clamp(0.0, 1.0) * (all - 1) as f64 + 0.5) as u64;
-    let mut find = |counts: &[u64]| {
-        for (number, count) in counts.iter().enumerate() {
-            if left < *count {
-                return number as u32;
-            }
-            left -= count;
-        }
-        unreachable!("there are more values than are skipped")
-    };
-    let upper = find(&coarse);
-    let lower = find(&count(Some(upper)));
-    values.offset + f64::from(value(upper << 16 | lower))
+    let rank = (share.clamp(0.0, 1.0) * (keys.len() - 1) as f64 + 0.5) as usize;
+    let (_, key, _) = keys.select_nth_unstable(rank);
+    values.offset + f64::from(value(*key))
 }
 
 /// What values are best less when they become colours of a range: `of_values`, which the values are less; 0 where rounding full

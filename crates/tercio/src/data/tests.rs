@@ -183,14 +183,19 @@ fn ranges_follow_from_finite_values() {
 #[test]
 fn percentiles_are_those_of_sorted_values() {
     let values = |i: usize| ((i * 7919) % 1009) as f32 - 300.0;
-    let instance = model(&[("x", T, &values)]);
-    let mut sorted: Vec<f32> = (0..instance.mesh.triangle_count()).map(values).collect();
-    sorted.sort_by(f32::total_cmp);
-    for share in [0.0, 0.02, 0.25, 0.5, 0.98, 1.0] {
-        let mut options = DataOptions::new("x");
-        options.range = Ends { low: RangeEnd::Percentile(share), high: RangeEnd::At(2000.0) };
-        let expected = sorted[(share * (sorted.len() - 1) as f64 + 0.5) as usize];
-        assert_eq!(colors(&options, &instance).map(|c| c.range[0]), Ok(f64::from(expected)), "{share}");
+    let instance = model(&[("triangle", T, &values), ("vertex", V, &values)]);
+    assert!(instance.mesh.clusters().len() > 1, "some vertices are in several clusters");
+    let vertices = builtin::make("builtin:sphere@500").expect("a model").positions.len();
+    for (name, count) in [("triangle", instance.mesh.triangle_count()), ("vertex", vertices)] {
+        let mut sorted: Vec<f32> = (0..count).map(values).collect();
+        sorted.sort_by(f32::total_cmp);
+        for share in [0.0, 0.02, 0.25, 0.5, 0.98, 1.0] {
+            let mut options = DataOptions::new(name);
+            options.range = Ends { low: RangeEnd::Percentile(share), high: RangeEnd::At(2000.0) };
+            let expected = sorted[(share * (sorted.len() - 1) as f64 + 0.5) as usize];
+            let found = colors(&options, &instance).map(|c| c.range[0]);
+            assert_eq!(found, Ok(f64::from(expected)), "{name}, {share}");
+        }
     }
 }
 
