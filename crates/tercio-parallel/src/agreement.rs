@@ -6,7 +6,7 @@ use std::fmt;
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
 use tercio_mesh::checksum;
 use tercio_raster::{Part, Settings, TileSet};
-use tercio_scene::{Instance, Scene};
+use tercio_scene::{Instance, Scene, SurfaceEdges};
 
 use crate::ParallelError;
 use crate::comm::{CommError, Communicator, children, parent};
@@ -24,7 +24,7 @@ pub enum Matter {
     Size,
     /// The meshes.
     Models,
-    /// Their places, colours, materials and textures, the lights and the background.
+    /// Their places, colours, edges, materials and textures, the lights and the background.
     Scene,
     /// The camera.
     Camera,
@@ -52,7 +52,9 @@ impl fmt::Display for Matter {
             Self::Organisation => "another organisation or number of ranks",
             Self::Size => "a picture of another size",
             Self::Models => "another model",
-            Self::Scene => "a scene with other places, colours, materials, textures, light or background",
+            Self::Scene => {
+                "a scene with other places, colours, edges, materials, textures, light or background"
+            }
             Self::Camera => "another camera",
             Self::Settings => "other settings",
         })
@@ -186,7 +188,17 @@ fn model(instance: &Instance) -> (u64, Option<(u64, u64)>) {
 fn look(scene: &Scene) -> String {
     let Scene { instances, lights, environment, background, materials, textures } = scene;
     let of_instance = |i: &Instance| {
-        format!("{:?} {:?} {:?} {:?}", i.world_from_object, i.surface, i.mesh.materials, i.data)
+        // The sides of all triangles would be a long text.
+        let edges = i.edges.as_ref().map(|edges| {
+            let SurfaceEdges { color, width, sides } = &**edges;
+            (color, width, sides.as_ref().map(|sides| checksum::of(sides)))
+        });
+        let of_mesh = i.materials.as_ref().map(|materials| {
+            let numbers = 0..i.mesh.materials.len() as u32;
+            numbers.map(|number| materials.of_triangle(number)).collect::<Vec<_>>()
+        });
+        let materials = (&i.mesh.materials, of_mesh);
+        format!("{:?} {:?} {materials:?} {:?} {edges:?}", i.world_from_object, i.surface, i.data)
     };
     let instances: Vec<String> = instances.iter().map(of_instance).collect();
     let textures: Vec<u64> = textures.iter().map(|texture| texture.checksum()).collect();

@@ -15,7 +15,7 @@ use tercio_parallel::{
 };
 use tercio_raster::stats::StageTimes;
 use tercio_raster::{Cull, Frame, Settings, SimdLevel};
-use tercio_scene::{Background, Camera, Projection, Scene};
+use tercio_scene::{Background, Camera, Projection, Scene, SurfaceEdges};
 
 /// A scene and a camera, made anew as in every process.
 fn made() -> (Scene, Camera) {
@@ -248,6 +248,15 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
     };
     assert_eq!(reported(shows(3)), Some(Matter::Scene));
     assert_eq!(reported(|own| _ = own.scene.lights.pop()), Some(Matter::Scene));
+    let edges = |of: fn(usize) -> Option<Vec<u8>>| {
+        reported(move |own| {
+            let instance = &mut own.scene.instances[0];
+            let sides = of(instance.mesh.triangle_count());
+            instance.edges = Some(Arc::new(SurfaceEdges::new([255, 0, 0], 1.0, sides)));
+        })
+    };
+    assert_eq!(edges(|_| None), Some(Matter::Scene));
+    assert_eq!(edges(|triangles| Some(vec![5; triangles])), Some(Matter::Scene));
     assert_eq!(reported(|own| own.camera.eye.x += 1e-9), Some(Matter::Camera));
     assert_eq!(reported(|own| own.settings.width += 1), Some(Matter::Size));
     assert_eq!(reported(|own| own.settings.cull = Cull::Back), Some(Matter::Settings));

@@ -42,6 +42,8 @@ fn settings() -> Settings {
 }
 
 const ACROSS: u32 = SIZE.0.div_ceil(EDGE);
+/// Up to so many ranks send each other bins without content, too.
+const FEW: usize = 8;
 const TILES: usize = (ACROSS * SIZE.1.div_ceil(EDGE)) as usize;
 
 /// Pixels of a tile, row by row: which of them are to be sent.
@@ -103,7 +105,7 @@ fn sort_first_and_sort_middle_send_what_their_tiles_show() {
     for model in MODELS {
         let (scene, camera) = made(model);
         let (whole, _) = drawn(&scene, &camera, Part::WHOLE);
-        for count in [1, 2, 3, 7, TILES + 2] {
+        for count in [1, 2, 3, 7, 12, TILES + 2] {
             // Tile k belongs to rank k modulo the number of ranks.
             let mut finished: Sent = vec![(0, 0); count];
             for tile in 0..TILES as u32 {
@@ -118,18 +120,37 @@ fn sort_first_and_sort_middle_send_what_their_tiles_show() {
             let division = Division::Interleaved;
             let first = Sharing { division, ..Organisation::SortFirst.into() };
             assert_eq!(sent(&report(&scene, &camera, count, first)), finished, "{model}, {count} ranks");
-            // The same after each has sent bins to each other.
+            // The same after each has sent bins to each other; of many ranks only those that have some, after all know who has.
             let middle =
                 report(&scene, &camera, count, Sharing { division, ..Organisation::SortMiddle.into() });
             let others = count as u64 - 1;
-            let with_bins = finished.iter().zip(&middle.ranks).map(|((messages, bytes), rank)| {
-                (messages + others, bytes + rank.bin_bytes + others * TRAILER)
-            });
+            let of_rank = |number| drawn(&scene, &camera, Part { number: number as u32, of: count as u32 }).1;
+            let found: Vec<Vec<bool>> = (0..count).map(of_rank).collect();
+            let is_for =
+                |from: usize, to: usize| (0..TILES).any(|tile| tile % count == to && found[from][tile]);
+            let receivers =
+                |from: usize| (0..count).filter(|&to| to != from && is_for(from, to)).count() as u64;
+            // Messages of an exchange of a bit for each rank, in rounds of which each doubles what a rank knows.
+            let (rounds, known) =
+                (u64::from(count.next_power_of_two().ilog2()), others * count.div_ceil(64) as u64 * 8);
+            let of_bins: Sent = (0..count)
+                .map(|rank| match count > FEW {
+                    true => (receivers(rank) + rounds, known),
+                    false => (others, 0),
+                })
+                .collect();
+            let with_bins = finished.iter().zip(&middle.ranks).zip(&of_bins).map(
+                |(((messages, bytes), rank), (more, known))| {
+                    (messages + more, bytes + rank.bin_bytes + known + more * TRAILER)
+                },
+            );
             assert_eq!(sent(&middle), with_bins.collect::<Vec<_>>(), "{model}, {count} ranks");
             let bins = middle.by_kind().into_iter().find(|of| of.0 == Kind::Bins).map(|of| of.1);
-            let (messages, all) = bins.map_or((0, 0), |bins| (bins.sent_messages, bins.sent_bytes));
+            let bins = bins.map_or((0, 0), |bins| (bins.sent_messages, bins.sent_bytes));
             let contents: u64 = middle.ranks.iter().map(|rank| rank.bin_bytes).sum();
-            assert_eq!((messages, all), (count as u64 * others, contents + messages * TRAILER));
+            let (messages, known) = of_bins.iter().fold((0, 0), |sum, of| (sum.0 + of.0, sum.1 + of.1));
+            assert_eq!(bins, (messages, contents + known + messages * TRAILER));
+            assert!(count < TILES || messages < count as u64 * others, "some send nothing to each other");
         }
     }
 }

@@ -13,6 +13,8 @@ pub enum Kind {
     Agreement,
     /// Waiting for each other.
     Barrier,
+    /// Which parts of models the ranks hold.
+    Parts,
     /// In which tiles a rank may have drawn something.
     Touched,
     /// The work in each tile: estimates, of models in parts, or what was counted in the last frame, for adaptive divisions.
@@ -35,9 +37,10 @@ pub enum Kind {
 
 impl Kind {
     /// All of them, in the order in which they occur in a frame. Messages have their places in this list.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Agreement,
         Self::Barrier,
+        Self::Parts,
         Self::Touched,
         Self::Load,
         Self::Clusters,
@@ -64,6 +67,7 @@ impl Kind {
         match self {
             Self::Agreement => "agreement",
             Self::Barrier => "barrier",
+            Self::Parts => "parts of models",
             Self::Touched => "touched tiles",
             Self::Load => "work in tiles",
             Self::Clusters => "clusters",

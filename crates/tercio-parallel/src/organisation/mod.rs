@@ -37,7 +37,7 @@ use tercio_scene::{Camera, Instance, Scene};
 
 use crate::ParallelError;
 use crate::agreement::frame_digest;
-use crate::comm::Communicator;
+use crate::comm::{Communicator, Kind};
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::parts;
@@ -229,16 +229,20 @@ impl Rank {
         }
         task.settings.check()?;
         refuse_parts(task.settings)?;
-        if task.scene.is_in_parts() {
-            parts::check::check(comm, task.scene)?;
-        }
         let ranks = comm.size();
         self.frames = self.frames.wrapping_add(1);
         if ranks == 1 {
             self.last_frame.clear();
+            if task.scene.is_in_parts() {
+                parts::check::check(comm, task.scene)?;
+            }
             self.draw_alone(task, frame, &mut report)?;
         } else {
             let mut framed = FrameComm::new(comm, self.frames, frame_digest(task, ranks));
+            if task.scene.is_in_parts() {
+                framed.begin(Kind::Parts);
+                parts::check::check(&mut framed, task.scene)?;
+            }
             frame::draw(self, &mut framed, task, frame, &mut report)?;
             report.partners = framed.finish();
         }

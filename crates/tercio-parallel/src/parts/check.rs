@@ -28,6 +28,10 @@ struct Held {
 /// [`PartsError`] on all ranks, [`ParallelError::Comm`].
 pub fn check(comm: &mut impl Communicator, scene: &Scene) -> Result<(), ParallelError> {
     let held = |(number, instance): (usize, &Instance)| {
+        // They are of the triangles of a mesh, and the ranks exchange these.
+        if instance.edges.as_ref().is_some_and(|edges| edges.sides.is_some()) {
+            return Err(PartsError::Edges { instance: number });
+        }
         let share = instance.share.ok_or(PartsError::Whole { instance: number })?;
         let (first, triangles, of) =
             (share.first_triangle, instance.mesh.triangle_count() as u64, share.triangles);

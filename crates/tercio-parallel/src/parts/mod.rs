@@ -86,6 +86,14 @@ pub enum PartsError {
         /// Triangles of the model.
         of: u64,
     },
+    /// An instance has edges along some of the sides of its triangles.
+    #[error(
+        "instance {instance} is a part of a model: edges along chosen sides of its triangles cannot be drawn"
+    )]
+    Edges {
+        /// Number of the instance.
+        instance: usize,
+    },
     /// Ranks do not agree on whether an instance may be less than opaque.
     #[error("instance {instance}: its materials were not made for a part of a model on rank {rank}")]
     Translucency {

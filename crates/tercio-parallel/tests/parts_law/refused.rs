@@ -1,5 +1,6 @@
 //! Parts that do not belong together, and messages that are damaged, are errors.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use tercio_mesh::{ClusteredMesh, FileMaterial, Mesh};
@@ -9,7 +10,7 @@ use tercio_parallel::organisation::envelope::TRAILER;
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{Organisation, ParallelError, PartsError, Ranks, in_process, parts};
 use tercio_raster::Frame;
-use tercio_scene::{Scene, Share};
+use tercio_scene::{Scene, Share, SurfaceEdges};
 
 use crate::model::{camera, in_parts, model, split_evenly, twice, whole};
 use crate::{ONE, settings};
@@ -67,6 +68,11 @@ fn parts_that_do_not_make_a_model_are_refused() {
         *share = share.map(|share| Share { first_triangle: share.first_triangle + rank as u64, ..share });
     };
     assert!(matches!(error(late), PartsError::Share { instance: 1, rank: 1, .. }));
+    let edges = |_, scene: &mut Scene| {
+        let sides = vec![SurfaceEdges::ALL; scene.instances[1].mesh.triangle_count()];
+        scene.instances[1].edges = Some(Arc::new(SurfaceEdges::new([0; 3], 1.0, Some(sides))));
+    };
+    assert_eq!(error(edges), PartsError::Edges { instance: 1 });
     let translucent =
         |rank: usize, scene: &mut Scene| scene.instances[0].surface.opacity -= rank as f32 * 0.5;
     assert_eq!(error(translucent), PartsError::Translucency { instance: 0, rank: 1 });

@@ -155,7 +155,7 @@ impl Grouped<'_> {
             let heads = (bytes / 24.0).min(self.tiles.load.len() as f64) * BIN_TILE + others * BIN_HEAD;
             let (out, into) = ((bytes + heads) * away, received[rank] * away);
             let work = (out + into) * stage.rates.byte * 4.0;
-            Load { messages: others, out, into, work }
+            Load { messages: bin_messages(others, bytes / 24.0), out, into, work }
         };
         let loads: Vec<Load> = (0..self.ranks).map(load).collect();
         let sums = Sums::of(&loads);
@@ -178,6 +178,16 @@ impl Grouped<'_> {
         stage.exchange_evenly(&load, (self.ranks, self.ranks), all)
             + (rounds - 1.0) * stage.wires.latency(all)
     }
+}
+
+/// Messages with bins that a rank sends to others, if its clusters reach so many tiles. Many ranks send no empty ones, after they
+/// have learned who sends to whom. Tiles are scattered among the others.
+fn bin_messages(others: f64, tiles: f64) -> f64 {
+    const FEW: f64 = 8.0;
+    if others < FEW {
+        return others;
+    }
+    others * (1.0 - (1.0 - 1.0 / others).powf(tiles)) + (others + 1.0).log2().ceil()
 }
 
 impl Divided {
