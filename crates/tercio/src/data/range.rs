@@ -1,7 +1,7 @@
 //! The range of values that triangles use.
 
-use tercio_mesh::{AttributeDomain, ClusteredMesh};
 use tercio_mesh::loops::prelude::*;
+use tercio_mesh::{AttributeDomain, ClusteredMesh};
 use tercio_scene::DataReader;
 
 /// An end of the range that colours cover.
@@ -57,26 +57,21 @@ impl Values<'_> {
         }
     }
 
-    /// Are the values of the surface those of vertices?
-    fn is_of_vertices(&self) -> bool {
-        self.surface
-            .as_ref()
-            .is_some_and(|(reader, mesh)| reader.domain(mesh) == AttributeDomain::Vertex)
-    }
-
-    /// As [`Values::each`], with the positions of vertices of the surface; those of what else there is are 0.
-    fn each_at(&self, piece: usize, mut see: impl FnMut([f32; 3], f32)) {
-        match &self.surface {
-            Some((reader, mesh)) if piece < self.clusters() && self.is_of_vertices() => {
-                let cluster = mesh.cluster(piece);
-                let mut vertex = 0;
-                reader.each(mesh, piece, |value| {
-                    see(cluster.position(vertex), value);
-                    vertex += 1;
-                });
-            }
-            _ => self.each(piece, |value| see([0.0; 3], value)),
-        }
+    /// As [`Values::each`] of a cluster of the surface, with what the value belongs to: the position of a vertex, or the number of a
+    /// face.
+    fn each_of_surface(&self, cluster: usize, mut see: impl FnMut([u32; 3], f32)) {
+        let Some((reader, mesh)) = &self.surface else { return };
+        let view = mesh.cluster(cluster);
+        let is_of_vertices = reader.domain(mesh) == AttributeDomain::Vertex;
+        let mut number = 0;
+        reader.each(mesh, cluster, |value| {
+            let of = match is_of_vertices {
+                true => view.position(number).map(f32::to_bits),
+                false => [mesh.face(cluster, number), 0, 0],
+            };
+            number += 1;
+            see(of, value);
+        });
     }
 }
 
@@ -127,30 +122,23 @@ fn value(key: u32) -> f32 {
 }
 
 /// The value that this share of the finite values is at most (the nearest one: no mean of two); of those above 0 if `positive`. 0 if
-/// there is none. Every vertex counts once, however many clusters have it, so that clusters do not matter: those of one position
-/// and one value are one.
+/// there is none. A vertex counts once, however many clusters have it, and a face once, however many triangles it has. Vertices
+/// with one position and one value are one.
 pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f64 {
-    let is_counted =
-        |value: f32| value.is_finite() && (!positive || values.offset + f64::from(value) > 0.0);
-    let of_piece = |piece: usize| {
+    let is_counted = |value: f32| value.is_finite() && (!positive || values.offset + f64::from(value) > 0.0);
+    let of_surface = |cluster: usize| {
         let mut counted = Vec::new();
-        values.each_at(piece, |position, value| {
-            let [x, y, z] = position.map(f32::to_bits);
+        values.each_of_surface(cluster, |[a, b, c], value| {
             // -0 is 0.
-            counted.extend(is_counted(value).then(|| [x, y, z, sort_key(value + 0.0)]));
+            counted.extend(is_counted(value).then(|| [a, b, c, sort_key(value + 0.0)]));
         });
         counted
     };
-    let surface = values.clusters();
-    let mut at_vertices: Vec<[u32; 4]> = match values.is_of_vertices() {
-        true => (0..surface).into_par_iter().flat_map_iter(of_piece).collect(),
-        false => Vec::new(),
-    };
-    at_vertices.par_sort_unstable();
-    at_vertices.dedup();
-    let elsewhere = if values.is_of_vertices() { surface } else { 0 }..values.pieces();
-    let mut keys: Vec<u32> = elsewhere.into_par_iter().flat_map_iter(of_piece).map(|[.., key]| key).collect();
-    keys.extend(at_vertices.iter().map(|[.., key]| key));
+    let mut once: Vec<[u32; 4]> = (0..values.clusters()).into_par_iter().flat_map_iter(of_surface).collect();
+    once.par_sort_unstable();
+    once.dedup();
+    let others = values.others.iter().filter(|value| is_counted(**value)).map(|value| sort_key(value + 0.0));
+    let mut keys: Vec<u32> = once.into_iter().map(|[.., key]| key).chain(others).collect();
     if keys.is_empty() {
         return 0.0;
     }

@@ -200,6 +200,22 @@ fn percentiles_are_those_of_sorted_values() {
 }
 
 #[test]
+fn a_polygon_counts_once_in_percentiles() {
+    let mut mesh = Mesh {
+        positions: (0..7).map(|i| [i as f32, (i * i) as f32, 0.0]).collect(),
+        triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5], [0, 5, 6], [0, 1, 3], [0, 1, 4]],
+        face_of_triangle: Some(vec![0, 0, 0, 0, 0, 1, 2]),
+        ..Mesh::default()
+    };
+    let values = [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0].to_vec();
+    mesh.attributes.push(Attribute { name: "c".into(), domain: T, values, offset: 0.0 });
+    let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
+    let mut options = DataOptions::new("c");
+    options.range.high = RangeEnd::Percentile(0.5);
+    assert_eq!(colors(&options, &instance).map(|c| c.range), Ok([1.0, 2.0]));
+}
+
+#[test]
 fn categories_are_the_values_that_there_are() {
     let instance = model(&[("material", T, &|i| [3.0, 1.0, -0.0, 0.0][i % 4]), ("many", V, &|i| i as f32)]);
     let mut options = DataOptions::new("material");
