@@ -16,6 +16,8 @@ mod legacy;
 mod numbers;
 mod part;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod xml;
 
 use super::obj::transcode;

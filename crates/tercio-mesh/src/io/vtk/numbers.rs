@@ -179,6 +179,13 @@ impl Numbers<'_> {
         typed!(self.scalar, T => T::read(bytes, self.big_endian).index())
     }
 
+    /// So many single bits of packed bytes, the highest of each byte first, as numbers 0 and 1; missing ones are 0.
+    pub fn bits(self, count: usize) -> Self {
+        let bit = |i: usize| self.bytes.get(i / 8).map_or(0, |byte| byte >> (7 - i % 8) & 1);
+        let bytes = (0..count).map(bit).collect::<Vec<u8>>().into();
+        Self { bytes, scalar: Scalar::U8, input: None, ..self }
+    }
+
     /// Reports that so many of its bytes were read.
     pub fn consumed(&self, bytes: usize) {
         if let Some(input) = self.input {
@@ -333,6 +340,12 @@ mod tests {
             bytes.chunks_exact_mut(scalar.bytes()).for_each(<[u8]>::reverse);
         }
         Numbers { bytes: bytes.into(), scalar, big_endian, source: Source::Raw(100), input: None }
+    }
+
+    #[test]
+    fn bits_are_unpacked_from_the_highest_one() {
+        let bits = of(Scalar::U8, &[0b1010_0001.into(), 0b0100_0000.into()], false).bits(10);
+        assert_eq!(bits.bytes[..], [1, 0, 1, 0, 0, 0, 0, 1, 0, 1]);
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub enum Type {
     Numbers(Scalar),
     /// Eight to a byte.
     Bits,
+    /// Bytes, which text holds divided by 255.
+    Colors,
     Text,
 }
 
@@ -60,10 +62,10 @@ impl<'a> Parser<'_, 'a> {
                 self.cursor.skip_line();
                 self.job.reserve(what, count)?;
                 let packed = self.binary_numbers(what, count.div_ceil(8), Scalar::U8)?;
-                let bit = |i: usize| packed.bytes.get(i / 8).map_or(0, |byte| byte >> (7 - i % 8) & 1);
-                let bytes = (0..count as usize).map(bit).collect::<Vec<u8>>().into();
-                Ok(Numbers { bytes, input: None, ..packed })
+                Ok(packed.bits(count as usize))
             }
+            Type::Colors if self.binary => self.numbers(what, count, Type::Numbers(Scalar::U8)),
+            Type::Colors => self.ascii_colors(what, count),
             Type::Text => Err(self.expected(format!("numbers for {what}, not strings"))),
         }
     }
@@ -108,6 +110,24 @@ impl<'a> Parser<'_, 'a> {
         }
         let big_endian = cfg!(target_endian = "big");
         Ok(Numbers { bytes: bytes.into(), scalar, big_endian, source: Source::Text(text, line), input: None })
+    }
+
+    /// Colours of text as the bytes that they were before they were divided, rounded as VTK does.
+    fn ascii_colors(&mut self, what: &str, count: u64) -> Result<Numbers<'a>, ReadError> {
+        let divided = self.ascii_numbers(what, count, Scalar::F32)?;
+        self.job.reserve(what, 5 * count)?;
+        let mut are_outside = false;
+        let byte = |value: f32| {
+            let byte = (255.0 * value + 0.5).floor();
+            are_outside |= !(0.0..=255.0).contains(&byte);
+            byte as u8
+        };
+        let bytes: Vec<u8> = divided.component(0, 1, None, 0.0).into_iter().map(byte).collect();
+        if are_outside {
+            // Where VTK begins again at 0.
+            self.job.warn(format!("{what} has colours outside 0 to 1, which are taken as 0 or 1"));
+        }
+        Ok(Numbers { bytes: bytes.into(), scalar: Scalar::U8, ..divided })
     }
 
     /// NaN as some C libraries print it.

@@ -65,8 +65,7 @@ impl<'a> Data<'a> {
             "COLOR_SCALARS" => {
                 let name = name(parser.word("the name of an array")?);
                 let components = parser.count("a number of components")?;
-                let kind = Type::Numbers(if parser.binary { Scalar::U8 } else { Scalar::F32 });
-                self.array(parser, name, components, kind, |array| array.r#use = Use::Colors)?;
+                self.array(parser, name, components, Type::Colors, |array| array.r#use = Use::Colors)?;
             }
             "TEXTURE_COORDINATES" => {
                 let name = name(parser.word("the name of an array")?);

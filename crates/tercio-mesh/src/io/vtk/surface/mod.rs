@@ -5,24 +5,22 @@
 //! the nodes between their corners.
 
 mod builder;
+mod ghosts;
 mod grid;
 mod volumes;
 
 use crate::loops::prelude::*;
 
 use super::cells::{self, Shape};
-use super::dataset::{Array, Cells, DataSet, Ends, Job};
+use super::dataset::{Cells, DataSet, Ends, Job};
 use crate::ReadError;
 use crate::error::counted;
 use crate::mesh::MAX_ELEMENTS;
 use builder::Builder;
+use ghosts::{Ghosts, Part};
 
 /// Cells that a task looks at.
 const CHUNK: usize = 1 << 13;
-
-/// Bits of `vtkGhostType`: the cell belongs to another piece, or is not there.
-const DUPLICATE: u64 = 1;
-const HIDDEN: u64 = 32;
 
 /// What is drawn of a data set, with the numbers of its points and cells.
 #[derive(Default)]
@@ -40,15 +38,6 @@ pub struct Surface {
     pub dots: Vec<[u32; 2]>,
 }
 
-/// How a cell takes part.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
-    Whole,
-    /// Its faces are those of a neighbour, but not drawn.
-    Ghost,
-    Gone,
-}
-
 /// Extracts the surface.
 ///
 /// # Errors
@@ -59,7 +48,7 @@ pub fn extract(job: &Job, data: &mut DataSet) -> Result<Surface, ReadError> {
             return Err(ReadError::TooMany { file: job.file().into(), what, count });
         }
     }
-    let has_ghosts = Array::ghosts(&data.cell_data).is_some();
+    let has_ghosts = Ghosts::of(data).are_any();
     match &mut data.cells {
         Cells::Structured(dims) if !has_ghosts => return grid::outer(job, *dims, &data.points),
         Cells::Poly([verts, lines, polygons, strips]) if !has_ghosts => {
@@ -81,25 +70,13 @@ pub fn extract(job: &Job, data: &mut DataSet) -> Result<Surface, ReadError> {
 /// Looks at cells one by one.
 pub(super) struct Extraction<'a> {
     data: &'a DataSet<'a>,
-    ghosts: Option<&'a Array<'a>>,
+    ghosts: Ghosts<'a>,
     count: usize,
 }
 
 impl<'a> Extraction<'a> {
     fn new(data: &'a DataSet<'a>) -> Self {
-        Self { data, ghosts: Array::ghosts(&data.cell_data), count: data.cells.count() as usize }
-    }
-
-    fn part(&self, cell: usize) -> Part {
-        let Some(ghosts) = self.ghosts else { return Part::Whole };
-        let bits = ghosts.numbers.index(cell).unwrap_or(0);
-        match ghosts.name.as_str() {
-            "vtkGhostLevels" if bits > 0 => Part::Ghost,
-            "vtkGhostLevels" => Part::Whole,
-            _ if bits & HIDDEN > 0 => Part::Gone,
-            _ if bits & DUPLICATE > 0 => Part::Ghost,
-            _ => Part::Whole,
-        }
+        Self { data, ghosts: Ghosts::of(data), count: data.cells.count() as usize }
     }
 
     /// Type, and nodes of a cell.
@@ -165,10 +142,9 @@ impl<'a> Extraction<'a> {
                 let (mut buffer, mut nodes) = ([0; 8], 0);
                 let mut number = hidden.first(chunk);
                 for cell in cells(chunk) {
-                    let part = self.part(cell);
                     let (shape, all) = self.cell(cell, &mut buffer);
                     match shape {
-                        _ if part == Part::Gone => {}
+                        _ if self.ghosts.part(cell, all) == Part::Gone => {}
                         Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, all, |_, face| {
                             nodes += if hidden.is(number) { 0 } else { face.len() as u64 };
                             number += 1;
@@ -187,20 +163,20 @@ impl<'a> Extraction<'a> {
                 let mut builder = Builder::new(&self.data.points);
                 let (mut buffer, mut number) = ([0; 8], hidden.first(chunk));
                 for cell in cells(chunk) {
-                    let part = self.part(cell);
+                    let (shape, nodes) = self.cell(cell, &mut buffer);
+                    let part = self.ghosts.part(cell, nodes);
                     if part == Part::Gone {
                         continue;
                     }
-                    let (shape, nodes) = self.cell(cell, &mut buffer);
                     builder.begin(cell as u32);
                     match shape {
                         Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, nodes, |corners, face| {
-                            if part == Part::Whole && !hidden.is(number) {
+                            if part == Part::Whole && !hidden.is(number) && !self.ghosts.hide(face) {
                                 builder.side(corners, face);
                             }
                             number += 1;
                         }),
-                        _ if part == Part::Ghost => {}
+                        _ if part == Part::Ghost || self.ghosts.hide(nodes) => {}
                         _ => builder.flat(shape, nodes),
                     }
                 }

@@ -45,7 +45,9 @@ impl Hidden {
             let mut buffer = [0; 8];
             for cell in chunk * CHUNK..((chunk + 1) * CHUNK).min(cells.count) {
                 let (shape, nodes) = cells.cell(cell, &mut buffer);
-                if matches!(shape, Shape::Volume(_) | Shape::Polyhedron) && cells.part(cell) != Part::Gone {
+                if matches!(shape, Shape::Volume(_) | Shape::Polyhedron)
+                    && cells.ghosts.part(cell, nodes) != Part::Gone
+                {
                     Extraction::faces(shape, nodes, |corners, nodes| face(corners, nodes));
                 }
             }

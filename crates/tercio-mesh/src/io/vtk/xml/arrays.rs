@@ -26,9 +26,21 @@ pub struct Encoding {
 /// Text that a task parses at a time.
 const TEXT: usize = 1 << 17;
 
-/// The type of an array; `None` for what are no numbers.
-pub fn scalar(job: &Job, element: &Element) -> Result<Option<Scalar>, ReadError> {
-    Ok(Some(match element.attribute("type").unwrap_or("") {
+/// Type of an array in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    Numbers(Scalar),
+    /// Eight to a byte, except in text.
+    Bits,
+    Text,
+}
+
+/// The type of an array.
+///
+/// # Errors
+/// A type that VTK does not have.
+pub fn kind(job: &Job, element: &Element) -> Result<Type, ReadError> {
+    Ok(Type::Numbers(match element.attribute("type").unwrap_or("") {
         "Int8" => Scalar::I8,
         "UInt8" => Scalar::U8,
         "Int16" => Scalar::I16,
@@ -39,12 +51,37 @@ pub fn scalar(job: &Job, element: &Element) -> Result<Option<Scalar>, ReadError>
         "UInt64" => Scalar::U64,
         "Float32" => Scalar::F32,
         "Float64" => Scalar::F64,
-        "String" | "Bit" => return Ok(None),
+        "Bit" => return Ok(Type::Bits),
+        "String" => return Ok(Type::Text),
         other => {
             let expected = "the type of an array (Int8 to UInt64, Float32, Float64)";
             return Err(job.malformed(job.line(element.at), expected, format!("{other:?}")));
         }
     }))
+}
+
+/// So many bits of an array as numbers 0 and 1.
+///
+/// # Errors
+/// As of [`numbers`].
+pub fn bits<'a>(
+    job: &Job<'a>,
+    encoding: &Encoding,
+    element: &Element,
+    count: u64,
+) -> Result<Numbers<'a>, ReadError> {
+    let packed = numbers(job, encoding, element, Scalar::U8)?;
+    if matches!(packed.source, Source::Text(..)) {
+        return Ok(packed);
+    }
+    if packed.len() as u64 != count.div_ceil(8) {
+        let name = element.attribute("Name").unwrap_or("without a name");
+        let expected = format!("array {name:?}, {} in {} bytes", counted(count, "bit"), count.div_ceil(8));
+        return Err(job.malformed(packed.place(0), expected, counted(packed.len() as u64, "byte")));
+    }
+    job.reserve("an array of bits", count)?;
+    job.input.consumed(packed.len());
+    Ok(packed.bits(count as usize))
 }
 
 /// The numbers of an array.

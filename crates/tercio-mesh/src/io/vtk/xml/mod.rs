@@ -12,9 +12,10 @@ mod pieces;
 pub mod tree;
 
 use super::dataset::{Array, Cells, DataSet, Job, Use};
+use super::numbers::Scalar;
 use super::part::{self, Part};
 use crate::ReadError;
-use arrays::Encoding;
+use arrays::{Encoding, Type};
 use compress::Compressor;
 use tree::{Document, Element};
 
@@ -116,8 +117,8 @@ struct Reader<'j, 'a> {
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// The arrays of points or of cells of a piece.
-    fn data(&self, piece: &Element, name: &str) -> Result<Vec<Array<'a>>, ReadError> {
+    /// The arrays of so many points or cells of a piece.
+    fn data(&self, piece: &Element, name: &str, count: u64) -> Result<Vec<Array<'a>>, ReadError> {
         let Some(data) = piece.child(name) else { return Ok(Vec::new()) };
         let mut arrays = Vec::new();
         for element in data.children_named("DataArray") {
@@ -125,7 +126,11 @@ impl<'a> Reader<'_, 'a> {
             if element.attribute("TimeStep").is_some_and(|t| t.trim() != "0") {
                 continue;
             }
-            let Some(scalar) = arrays::scalar(self.job, element)? else { continue };
+            let kind = arrays::kind(self.job, element)?;
+            // Of nothing there may be any number of bits.
+            if kind == Type::Text || (kind == Type::Bits && count == 0) {
+                continue;
+            }
             let components = match element.attribute("NumberOfComponents").map(|n| n.trim().parse::<u32>()) {
                 None => 1,
                 Some(Ok(n)) if (1..=1 << 16).contains(&n) => n as usize,
@@ -135,17 +140,26 @@ impl<'a> Reader<'_, 'a> {
                     return Err(self.job.malformed(place, "NumberOfComponents from 1 to 65536", found));
                 }
             };
-            let numbers = arrays::numbers(self.job, &self.encoding, element, scalar)?;
+            let numbers = match kind {
+                Type::Numbers(scalar) => arrays::numbers(self.job, &self.encoding, element, scalar)?,
+                _ => {
+                    let bits = count.saturating_mul(components as u64);
+                    arrays::bits(self.job, &self.encoding, element, bits)?
+                }
+            };
             let name = element.attribute("Name").unwrap_or("unnamed").to_owned();
             let is = |role: &str| data.attribute(role) == Some(&name);
             let r#use = if is("Normals") && components == 3 {
                 Use::Normals
             } else if is("TCoords") && components >= 2 {
                 Use::Texcoords
-            } else if is("Scalars") && scalar == arrays_byte() && matches!(components, 3 | 4) {
+            } else if is("Scalars") && kind == Type::Numbers(Scalar::U8) && matches!(components, 3 | 4) {
                 Use::Colors
             } else {
-                Use::of(&name, components, scalar)
+                match kind {
+                    Type::Numbers(scalar) => Use::of(&name, components, scalar),
+                    _ => Use::Attribute,
+                }
             };
             arrays.push(Array { name, components, numbers, r#use });
         }
@@ -154,8 +168,8 @@ impl<'a> Reader<'_, 'a> {
 
     fn piece(&self, kind: &str, data: &Element, piece: &Element) -> Result<Option<DataSet<'a>>, ReadError> {
         let Some((points, cells)) = self.geometry(kind, data, piece)? else { return Ok(None) };
-        let point_data = self.data(piece, "PointData")?;
-        let mut cell_data = self.data(piece, "CellData")?;
+        let point_data = self.data(piece, "PointData", points.count())?;
+        let mut cell_data = self.data(piece, "CellData", cells.count())?;
         for array in &mut cell_data {
             if array.r#use != Use::Colors {
                 array.r#use = Use::Attribute;
@@ -167,9 +181,4 @@ impl<'a> Reader<'_, 'a> {
             (keep(points.count(), point_data), keep(Cells::count(&cells), cell_data));
         Ok(Some(DataSet { points, cells, point_data, cell_data }))
     }
-}
-
-/// The type of colours.
-fn arrays_byte() -> super::numbers::Scalar {
-    super::numbers::Scalar::U8
 }

@@ -1,7 +1,7 @@
 //! Points and cells of a piece.
 
 use super::Reader;
-use super::arrays;
+use super::arrays::{self, Type};
 use super::tree::Element;
 use crate::ReadError;
 use crate::io::vtk::build;
@@ -80,7 +80,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn numbers(&self, element: &Element) -> Result<Option<Numbers<'a>>, ReadError> {
-        let Some(scalar) = arrays::scalar(self.job, element)? else { return Ok(None) };
+        let Type::Numbers(scalar) = arrays::kind(self.job, element)? else { return Ok(None) };
         arrays::numbers(self.job, &self.encoding, element, scalar).map(Some)
     }
 
