@@ -218,8 +218,12 @@ fn bits_are_read_from_every_encoding() {
     check("appended base64", &bits(at_start, "", "", &appended("base64", STANDARD.encode(&raw).as_bytes())));
 
     let long = STANDARD.encode([&3u32.to_le_bytes()[..], &packed, &[0]].concat());
-    let error = try_read(&bits("format=\"binary\"", "", &long, b"</VTKFile>")).err().expect("too many bytes");
+    let Err(error) = try_read(&bits("format=\"binary\"", "", &long, b"</VTKFile>")) else {
+        panic!("too many bytes")
+    };
     assert!(error.to_string().contains("array \"mask\", 15 bits in 2 bytes, found 3 bytes"), "{error}");
-    let few = try_read(&bits("format=\"ascii\"", "", "1 0 1", b"</VTKFile>")).err().expect("too few bits");
+    let Err(few) = try_read(&bits("format=\"ascii\"", "", "1 0 1", b"</VTKFile>")) else {
+        panic!("too few bits")
+    };
     assert!(few.to_string().contains("3 tuples of array \"mask\""), "{few}");
 }
