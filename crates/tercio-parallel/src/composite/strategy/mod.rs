@@ -233,28 +233,6 @@ mod tests {
         }
     }
 
-    /// Of a picture whose middle alone is shared by all ranks, everyone merges about the same.
-    #[test]
-    fn ranks_merge_about_the_same() {
-        const TILES: usize = 4096;
-        let count = 16;
-        // Four ranks everywhere, all of them in the middle third.
-        let is_touched =
-            |rank: usize| move |tile: u32| (1365..2730).contains(&tile) || rank % 4 == tile as usize % 4;
-        let touched = Touched::new(TILES, (0..count).map(is_touched));
-        let (tiles, ranks): (Vec<u32>, Vec<usize>) = (touched.shared(), (0..count).collect());
-        let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
-        for composition in [Composition::DirectSend, Composition::BinarySwap, Composition::RadixK(4)] {
-            let mut merged = vec![0; count];
-            for (&tile, owner) in tiles.iter().zip(composition.owners(&shared)) {
-                merged[owner] += touched.ranks_of(tile).count();
-            }
-            let most = merged.iter().copied().max().unwrap_or(0) * count;
-            let all: usize = merged.iter().sum();
-            assert!(most * 10 <= all * 11, "{composition}: {merged:?}");
-        }
-    }
-
     #[test]
     fn rounds_are_as_many_as_the_formulas_say() {
         let touched = touched(&[u64::MAX; 24]);

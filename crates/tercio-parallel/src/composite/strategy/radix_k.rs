@@ -42,15 +42,6 @@ pub fn part(range: &Range<usize>, number: usize, of: usize) -> Range<usize> {
     at(number)..at(number + 1)
 }
 
-/// The order in which tiles are divided: neighbours get far apart, so that every part of the order has tiles of the whole picture
-/// (bits reversed, as van der Corput's sequence). Otherwise the ranks whose parts are in the middle of the picture would merge most.
-fn interlaced(tiles: usize) -> impl Iterator<Item = usize> {
-    let bits = tiles.next_power_of_two().trailing_zeros();
-    let reversed =
-        move |number: usize| if bits == 0 { 0 } else { number.reverse_bits() >> (usize::BITS - bits) };
-    (0..tiles.next_power_of_two()).map(reversed).filter(move |&number| number < tiles)
-}
-
 /// The rounds of member `own` of as many as the product of `sizes`. In each round members whose numbers differ in one digit
 /// (of a number system with these sizes as bases) exchange the parts of the tiles that they have. `place` is where a member is
 /// among all ranks.
@@ -60,13 +51,12 @@ pub fn rounds_of_groups(
     own: usize,
     place: impl Fn(usize) -> usize,
 ) -> Vec<Round> {
-    let order: Vec<u32> = interlaced(tiles.len()).map(|at| tiles[at]).collect();
     let (mut kept, mut distance) = (0..tiles.len(), 1);
     let mut round = |&size: &usize| {
         let digit = own / distance % size;
         let member = |other: usize| own - digit * distance + other * distance;
         let others = |step: usize| (digit + step) % size;
-        let send = |other: usize| (place(member(other)), order[part(&kept, other, size)].to_vec());
+        let send = |other: usize| (place(member(other)), tiles[part(&kept, other, size)].to_vec());
         let sends = (1..size).map(|step| send(others(step))).collect();
         let receives = (1..size).map(|step| place(member(others(size - step)))).collect();
         kept = part(&kept, digit, size);
@@ -78,7 +68,6 @@ pub fn rounds_of_groups(
 
 /// The place of the owner of each of so many tiles, after the rounds of [`rounds_of_groups`].
 pub fn owners_of_groups(sizes: &[usize], tiles: usize, place: impl Fn(usize) -> usize) -> Vec<usize> {
-    let order: Vec<usize> = interlaced(tiles).collect();
     let mut owners = vec![0; tiles];
     for member in 0..sizes.iter().product::<usize>() {
         let (mut kept, mut rest) = (0..tiles, member);
@@ -86,7 +75,7 @@ pub fn owners_of_groups(sizes: &[usize], tiles: usize, place: impl Fn(usize) -> 
             kept = part(&kept, rest % size, size);
             rest /= size;
         }
-        order[kept].iter().for_each(|&at| owners[at] = place(member));
+        owners[kept].fill(place(member));
     }
     owners
 }
