@@ -24,7 +24,7 @@ mod divided;
 pub mod envelope;
 mod frame;
 mod held;
-mod redistribute;
+pub mod redistribute;
 mod rounds;
 
 use std::fmt;

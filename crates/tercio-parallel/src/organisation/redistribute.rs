@@ -12,7 +12,7 @@ use crate::composite::Touched;
 use crate::{ParallelError, RankReport};
 
 /// Up to so many ranks send each other messages without content too: that takes fewer messages than to learn who sends any.
-const FEW: usize = 8;
+pub const FEW: usize = 8;
 
 /// Exchanges bins between the ranks of a group: afterwards `sorted` has what all of them sorted into this rank's tiles.
 /// `owners` has the owner of each tile, a rank of the group.
@@ -30,24 +30,27 @@ pub fn redistribute(
     let stages = &mut report.stages;
     let tiles = tiles_of_owners(owners, count);
     let mut numbering = Numbering::default();
-    let mut own_messages = Vec::new();
+    let are_few = count <= FEW;
+    let mut withheld = Vec::new();
     // Every rank begins with the next one, so that no rank gets all messages at once.
     for to in (1..count).map(|step| (own + step) % count) {
         let mut message = group.buffer(to);
         let tiles = &tiles[to];
         stages.redistribute.time(|| sorted.write_bytes(&context.grid, tiles, &mut numbering, &mut message));
         report.bin_bytes += message.len() as u64;
-        own_messages.push((to, message));
+        if are_few {
+            group.send(to, message)?;
+        } else if !message.is_empty() {
+            withheld.push((to, message));
+        }
     }
-    let senders = if count > FEW {
-        own_messages.retain(|(_, message)| !message.is_empty());
+    let mut senders = None;
+    if !are_few {
         let mut is_sent = vec![false; count];
-        own_messages.iter().for_each(|(to, _)| is_sent[*to] = true);
-        Some(Touched::gather(group, count, |to| is_sent[to as usize], &mut stages.wait)?)
-    } else {
-        None
-    };
-    for (to, message) in own_messages {
+        withheld.iter().for_each(|(to, _)| is_sent[*to] = true);
+        senders = Some(Touched::gather(group, count, |to| is_sent[to as usize], &mut stages.wait)?);
+    }
+    for (to, message) in withheld {
         group.send(to, message)?;
     }
     let mut messages = Vec::new();

@@ -63,14 +63,13 @@ impl Values<'_> {
         let Some((reader, mesh)) = &self.surface else { return };
         let view = mesh.cluster(cluster);
         let is_of_vertices = reader.domain(mesh) == AttributeDomain::Vertex;
-        let mut number = 0;
+        let (mut vertices, mut faces) = (0..view.vertices(), mesh.faces(cluster));
         reader.each(mesh, cluster, |value| {
             let of = match is_of_vertices {
-                true => view.position(number).map(f32::to_bits),
-                false => [mesh.face(cluster, number), 0, 0],
+                true => vertices.next().map(|vertex| view.position(vertex).map(f32::to_bits)),
+                false => faces.next().map(|face| [face, 0, 0]),
             };
-            number += 1;
-            see(of, value);
+            see(of.unwrap_or_default(), value);
         });
     }
 }

@@ -1,6 +1,7 @@
 //! A frame of one candidate, by formulas over the tiles: no message is simulated.
 
 use tercio_parallel::division::Division;
+use tercio_parallel::organisation::redistribute::FEW;
 use tercio_parallel::{Organisation, Sharing};
 
 use super::compose::{SharedTile, SharedTiles};
@@ -151,11 +152,12 @@ impl Grouped<'_> {
             let others = (self.length_of(rank / self.group) - 1) as f64;
             let away = others / (others + 1.0);
             let bytes = self.tiles.sorted[rank][1];
+            let reached = bytes / 24.0;
             // A head for each tile that its clusters reach, of which it may have several in a tile.
-            let heads = (bytes / 24.0).min(self.tiles.load.len() as f64) * BIN_TILE + others * BIN_HEAD;
+            let heads = reached.min(self.tiles.load.len() as f64) * BIN_TILE + others * BIN_HEAD;
             let (out, into) = ((bytes + heads) * away, received[rank] * away);
             let work = (out + into) * stage.rates.byte * 4.0;
-            Load { messages: bin_messages(others, bytes / 24.0), out, into, work }
+            Load { messages: bin_messages(others, reached), out, into, work }
         };
         let loads: Vec<Load> = (0..self.ranks).map(load).collect();
         let sums = Sums::of(&loads);
@@ -183,8 +185,7 @@ impl Grouped<'_> {
 /// Messages with bins that a rank sends to others, if its clusters reach so many tiles. Many ranks send no empty ones, after they
 /// have learned who sends to whom. Tiles are scattered among the others.
 fn bin_messages(others: f64, tiles: f64) -> f64 {
-    const FEW: f64 = 8.0;
-    if others < FEW {
+    if others < FEW as f64 {
         return others;
     }
     others * (1.0 - (1.0 - 1.0 / others).powf(tiles)) + (others + 1.0).log2().ceil()
