@@ -132,6 +132,26 @@ pub(crate) fn without_zeros(text: &str) -> String {
     short.to_owned()
 }
 
+/// Numbers with the same digits after the point, as many as the one of them that has most; those with a power of ten by themselves.
+/// A 0 stays as it is.
+pub(crate) fn with_equal_digits(labels: &mut [String]) {
+    let digits = |label: &str| mantissa_of(label).split_once('.').map_or(0, |(_, digits)| digits.len());
+    for has_power in [false, true] {
+        let is_one = |label: &String| label.contains('×') == has_power && label != "0";
+        let most = labels.iter().filter(|label| is_one(label)).map(|label| digits(label)).max().unwrap_or(0);
+        for label in labels.iter_mut().filter(|label| is_one(label)) {
+            let (own, end) = (digits(label), mantissa_of(label).len());
+            let point = if own == 0 && most > 0 { "." } else { "" };
+            label.insert_str(end, &format!("{point}{}", "0".repeat(most - own)));
+        }
+    }
+}
+
+/// What is before the power of ten of a number.
+fn mantissa_of(label: &str) -> &str {
+    label.split_once('×').map_or(label, |(mantissa, _)| mantissa)
+}
+
 /// With the sign that is as wide as a plus.
 fn typographic(text: &str) -> String {
     text.replace('-', "−")
@@ -189,6 +209,19 @@ mod tests {
         for bad in ["", "%d", "2f", ".f", "%.2", ".99f", "%.2x", ".2ff", ".-1f", ".+1f", "é", ".é"] {
             assert!(bad.parse::<NumberFormat>().is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn numbers_beside_each_other_have_equal_digits() {
+        let of = |labels: &[&str]| {
+            let mut labels: Vec<String> = labels.iter().map(|&label| label.into()).collect();
+            with_equal_digits(&mut labels);
+            labels.join(" ")
+        };
+        assert_eq!(of(&["741.9", "692", "−642.1", "0"]), "741.9 692.0 −642.1 0");
+        assert_eq!(of(&["1×10⁶", "1.5×10⁶", "200000"]), "1.0×10⁶ 1.5×10⁶ 200000");
+        assert_eq!(of(&["1", "2", "30"]), "1 2 30");
+        assert_eq!(of(&[]), "");
     }
 
     #[test]

@@ -14,6 +14,33 @@ pub struct Tick {
 /// Numbers of which the relative distance is less than this cannot be marked with round numbers in `f64`.
 const FINEST: f64 = 1e-13;
 
+/// Ends of a range may be the numbers of a file in `f32`, or sums of them: this much relative to a number is rounding.
+const ROUNDING: f64 = 1e-6;
+/// A number is nowhere farther than this share of a range outside of it, so that nobody sees that it is drawn at the end.
+const MOST_OUTSIDE: f64 = 1e-3;
+
+/// Whether a number is in a range, or only through rounding outside of it: 0.1 is the lower end of data of which the lowest value is
+/// 0.1 in `f32`, which is a little more. On a linear scale, rounding is that of the range, on others that of the number itself.
+pub(crate) fn is_within(value: f64, [low, high]: [f64; 2], is_linear: bool) -> bool {
+    let half = high * 0.5 - low * 0.5;
+    let most = half * MOST_OUTSIDE * 2.0;
+    let slack = if is_linear {
+        // Far from 0, numbers of a small range are rounded more than the range says.
+        let of_numbers = low.abs().max(high.abs()) * f64::from(f32::EPSILON);
+        (half * ROUNDING * 2.0).max(of_numbers).min(most)
+    } else {
+        (value.abs() * ROUNDING).min(most)
+    };
+    // Of the largest numbers, the sum is infinite.
+    value.is_finite() && low - slack <= value && value <= high + slack
+}
+
+/// Marks that are outside of a range through rounding, at its ends.
+fn at_ends(mut ticks: Vec<Tick>, [low, high]: [f64; 2]) -> Vec<Tick> {
+    ticks.iter_mut().for_each(|tick| tick.value = tick.value.clamp(low, high));
+    ticks
+}
+
 /// Round numbers at an even distance (1, 2 or 5 times a power of ten) in a range, at most `most`, but at least two: the ends of
 /// the range where there are no round numbers.
 ///
@@ -58,9 +85,10 @@ fn multiples(
         return None;
     }
     let first = (low / step).floor() as i64 - 1;
-    let inside = (first..).map(number).skip_while(|&v| v < low).take_while(|&v| v <= high);
+    let is_inside = |v: &f64| is_within(*v, [low, high], true);
+    let inside = (first..).map(number).skip_while(|v| *v < low && !is_inside(v)).take_while(is_inside);
     let values: Vec<f64> = inside.take(most + 1).map(|v| v + 0.0).collect();
-    (values.len() <= most).then(|| labelled(values, exponent, format))
+    (values.len() <= most).then(|| at_ends(labelled(values, exponent, format), [low, high]))
 }
 
 /// Both ends of a range, with as many digits as it takes to tell them apart.
@@ -113,8 +141,8 @@ fn scaled(value: f64, exponent: i32, digits: usize) -> String {
 pub fn logarithmic([low, high]: [f64; 2], most: usize, format: NumberFormat) -> Vec<Tick> {
     assert!(low > 0.0 && low < high && high.is_finite(), "a range above 0: {low} to {high}");
     let most = most.max(2);
-    let (first, last) = (exponent_of(low), exponent_of(high));
-    let within = |value: &f64| (low..=high).contains(value);
+    let (first, last) = (exponent_of(low), last_exponent(high));
+    let within = |value: &f64| is_within(*value, [low, high], false);
     let power = |digit: i32, exponent: i32| format!("{digit}e{exponent}").parse().unwrap_or(f64::NAN);
     let powers: Vec<i32> = (first..=last).filter(|&e| within(&power(1, e))).collect();
     let (mut ticks, is_plain) = (Vec::new(), is_plain(first, last));
@@ -148,7 +176,13 @@ pub fn logarithmic([low, high]: [f64; 2], most: usize, format: NumberFormat) -> 
         ticks.extend(small.into_iter().map(|value| Tick { value, label: String::new() }));
         ticks.sort_by(|a, b| a.value.total_cmp(&b.value));
     }
-    ticks
+    at_ends(ticks, [low, high])
+}
+
+/// The last power of ten that may be in a range up to a number: that above it, if it is less only through rounding.
+fn last_exponent(high: f64) -> i32 {
+    let rounded = high * (1.0 + ROUNDING);
+    exponent_of(if rounded.is_finite() { rounded } else { high })
 }
 
 /// Whether all powers of ten from one to another one are better written out.
@@ -191,9 +225,9 @@ pub fn symmetric([low, high]: [f64; 2], threshold: f64, most: usize, format: Num
         return linear([low, high], most, format);
     }
     let first = exponent_of(threshold) + i32::from(tens(exponent_of(threshold)) < threshold);
-    let last = exponent_of(largest);
+    let last = last_exponent(largest);
     let exponents: Vec<i32> = (first..=last).collect();
-    let within = |v: f64| (low..=high).contains(&v);
+    let within = |v: f64| is_within(v, [low, high], false);
     let is_plain = is_plain(first, last);
     for every in 1..=exponents.len().max(1) {
         // From the largest down, so that those near the ends are kept.
@@ -212,7 +246,8 @@ pub fn symmetric([low, high]: [f64; 2], threshold: f64, most: usize, format: Num
             if values.len() < 2 {
                 break;
             }
-            return values.into_iter().map(|(value, label)| Tick { value, label }).collect();
+            let ticks = values.into_iter().map(|(value, label)| Tick { value, label }).collect();
+            return at_ends(ticks, [low, high]);
         }
     }
     linear([low, high], most, format)

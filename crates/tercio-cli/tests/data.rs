@@ -74,12 +74,19 @@ fn what_is_wrong_is_told_with_what_there_is() {
     run("--color-by @normal --bands 3").failed(1, &["are colours"]);
     run("--color-by part --isolines 3").failed(1, &["isolines need values at vertices"]);
     run("--colormap viridis").failed(2, &["--color-by"]);
+    run("--color-by quality --colormap 0,black,1,whyte").failed(2, &["0,black,1,whyte", "0,black,1,white"]);
     run("--color-by quality --colormap virridis")
         .failed(2, &["no colour map \"virridis\"", "viridis, magma", "Set1"]);
     run("--color-by quality --range 3,1").failed(2, &["MIN below MAX"]);
     run("--color-by quality --categories --log").failed(2, &["--log"]);
     fs::write(place.path("map.txt"), "10 20 30\nred\n").unwrap();
     run("--color-by quality --colormap map.txt").failed(1, &["map.txt as a colour map", "line 2", "`red`"]);
+    // Of points alone, too.
+    let points = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 1 1 1\nVERTICES 1 3\n2 0 1\nPOINT_DATA 2\nVECTORS vec float\n1 2 3 4 5 6\n";
+    fs::write(place.path("points.vtk"), points).unwrap();
+    place
+        .run("render points.vtk -o p.png --size 20x20 --color-by vec:3")
+        .failed(1, &["points.vtk: \"vec\" has no component \"3\"", "magnitude"]);
     fs::write(place.path("map.txt"), "0 0 0\n1 1 1\n").unwrap();
     place
         .run("render a.ply -o map.txt --format ppm --color-by quality --colormap map.txt")

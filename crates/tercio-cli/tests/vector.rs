@@ -129,6 +129,10 @@ fn what_is_not_possible_is_said() {
         .run("render model.off -o a.png --color-by @elevation --isoline-width 2")
         .failed(2, &["--isoline-width", "--mode contours"]);
     assert_eq!(place.names(), ["model.off"]);
+    // A model that is only lines has no surface to refuse.
+    fs::write(place.path("line.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n").unwrap();
+    place.run("render line.obj -o line.svg").ok_silently();
+    assert!(String::from_utf8(place.read("line.svg")).unwrap().contains("stroke"));
     place.run(&format!("{lines} --edges=non-manifold --allow-empty -q")).ok_silently();
 }
 

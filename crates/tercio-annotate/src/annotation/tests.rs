@@ -313,6 +313,23 @@ fn marks_of_bars() {
     let asked = banded(10, Marks::At(vec![17.25, 11.0, 99.0]));
     assert_eq!(values(&asked, 20), [11.0, 17.25]);
     assert_eq!(asked.ticks(8, 20)[1].label, "17.25");
+    let labels =
+        |bar: &ScalarBar| bar.ticks(8, 20).into_iter().map(|tick| tick.label).collect::<Vec<_>>().join(" ");
+    assert_eq!(labels(&asked), "11.00 17.25");
+    assert_eq!(labels(&banded(3, Marks::Count(3))), "10.00 14.05 18.10");
+    // On a logarithmic scale every number has its own, and what is outside through rounding is inside.
+    let ends = [f64::from(0.1f32), f64::from(1000.0f32)];
+    assert_eq!(
+        labels(&ScalarBar { marks: Marks::At(vec![0.1, 2.5, 1000.0]), ..bar(ends, Scale::Log) }),
+        "0.1 2.5 1000"
+    );
+    assert_eq!(
+        labels(&ScalarBar {
+            marks: Marks::At(vec![0.1, 0.7]),
+            ..bar([f64::from(0.1f32), f64::from(0.7f32)], Scale::Linear)
+        }),
+        "0.1 0.7"
+    );
     let annotation = Annotation { bars: vec![asked], ..Annotation::default() };
     assert_eq!(annotation.fixed(640, 480).left_out, ["the mark 99 of bar, which is not in its range"]);
 }

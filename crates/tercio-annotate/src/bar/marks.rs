@@ -28,7 +28,7 @@ impl ScalarBar {
         let asked = self.asked();
         if !asked.is_empty() {
             let ticks = if matches!(self.marks, Marks::At(_)) {
-                asked.iter().map(|&value| Tick { value, label: self.exactly(value) }).collect()
+                self.alike(asked.iter().map(|&value| Tick { value, label: self.exactly(value) }).collect())
             } else {
                 self.of_borders(&asked)
             };
@@ -63,7 +63,6 @@ impl ScalarBar {
 
     /// The values that marks are asked for, within the range.
     fn asked(&self) -> Vec<f64> {
-        let [low, high] = self.colors.range;
         match &self.marks {
             Marks::Usual => Vec::new(),
             Marks::Count(count) => {
@@ -71,8 +70,7 @@ impl ScalarBar {
                 (0..=last).map(|i| self.colors.value_at(i as f64 / last as f64)).collect()
             }
             Marks::At(values) => {
-                let mut values: Vec<f64> =
-                    values.iter().copied().filter(|v| (low..=high).contains(v)).collect();
+                let mut values: Vec<f64> = values.iter().copied().filter(|v| self.has(*v)).collect();
                 values.sort_by(f64::total_cmp);
                 values.dedup();
                 values
@@ -80,11 +78,15 @@ impl ScalarBar {
         }
     }
 
+    /// Whether a value is in the range, but for rounding.
+    fn has(&self, value: f64) -> bool {
+        ticks::is_within(value, self.colors.range, self.colors.scale == Scale::Linear)
+    }
+
     /// What is missing of the marks that are asked for.
     pub(super) fn unmarked(&self, parts: &Parts, name: &str) -> Option<String> {
-        let [low, high] = self.colors.range;
         if let Marks::At(values) = &self.marks
-            && let Some(value) = values.iter().find(|v| !(low..=high).contains(*v))
+            && let Some(value) = values.iter().find(|v| !self.has(**v))
         {
             return Some(format!("the mark {value} of {name}, which is not in its range"));
         }
@@ -111,6 +113,18 @@ impl ScalarBar {
             NumberFormat::Auto => number::general(value, digits),
             format => format.print(value),
         };
-        borders.iter().map(|&value| Tick { value, label: print(value) }).collect()
+        self.alike(borders.iter().map(|&value| Tick { value, label: print(value) }).collect())
+    }
+
+    /// Marks of which all labels have the same digits after the point, unless a format says how many. On a logarithmic scale small
+    /// numbers need digits that would be none beside large ones.
+    fn alike(&self, mut ticks: Vec<Tick>) -> Vec<Tick> {
+        if self.format == NumberFormat::Auto && self.colors.scale == Scale::Linear {
+            let mut labels: Vec<String> =
+                ticks.iter_mut().map(|tick| std::mem::take(&mut tick.label)).collect();
+            number::with_equal_digits(&mut labels);
+            ticks.iter_mut().zip(labels).for_each(|(tick, label)| tick.label = label);
+        }
+        ticks
     }
 }

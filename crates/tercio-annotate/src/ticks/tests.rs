@@ -56,6 +56,34 @@ fn logarithms() {
 }
 
 #[test]
+fn ends_that_are_rounded_to_f32_have_marks() {
+    let range = |low: f32, high: f32| [f64::from(low), f64::from(high)];
+    let of = |range: [f64; 2], most| {
+        let ticks = linear(range, most, NumberFormat::Auto);
+        assert!(ticks.iter().all(|tick| (range[0]..=range[1]).contains(&tick.value)), "{range:?}: {ticks:?}");
+        labels(&ticks).join(" ")
+    };
+    assert_eq!(of(range(0.1, 0.7), 8), "0.1 0.2 0.3 0.4 0.5 0.6 0.7");
+    assert_eq!(of(range(-0.7, -0.1), 8), "−0.7 −0.6 −0.5 −0.4 −0.3 −0.2 −0.1");
+    assert_eq!(of(range(1000.1, 1000.5), 8), "1000.1 1000.2 1000.3 1000.4 1000.5");
+    // What is really outside has no mark.
+    assert_eq!(of([0.1001, 0.6999], 8), "0.2 0.3 0.4 0.5 0.6");
+    let of = |range: [f64; 2], most| {
+        let ticks = logarithmic(range, most, NumberFormat::Auto);
+        assert!(ticks.iter().all(|tick| (range[0]..=range[1]).contains(&tick.value)), "{range:?}: {ticks:?}");
+        assert!(ticks.windows(2).all(|pair| pair[0].value < pair[1].value), "{range:?}: {ticks:?}");
+        labels(&ticks).join(" ")
+    };
+    assert_eq!(of(range(0.001, 10.0), 8), "0.001 0.01 0.1 1 10");
+    assert_eq!(of(range(0.1, 1000.0), 8), "0.1 1 10 100 1000");
+    // In f32, 0.01 is a little less, and 0.1 a little more.
+    assert_eq!(of(range(1e-5, 0.01), 8), "10⁻⁵ 10⁻⁴ 10⁻³ 10⁻²");
+    assert_eq!(of([0.00101, 9.99], 8), "0.01 0.1 1");
+    let ticks = symmetric(range(-0.1, 0.01), 1e-3, 9, NumberFormat::Auto);
+    assert_eq!(labels(&ticks).join(" "), "−0.1 −0.01 −0.001 0 0.001 0.01");
+}
+
+#[test]
 fn ends_of_what_f64_can_represent() {
     for range in [
         [1e-300, 2e-300],

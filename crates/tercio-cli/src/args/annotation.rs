@@ -205,10 +205,12 @@ impl AnnotationArgs {
         Outputs { linear: self.is_behind(), ..Outputs::NONE }
     }
 
-    /// The scalar bar of a model, if it has one.
-    pub fn bar(&self, model: &Instance) -> Option<ScalarBar> {
+    /// The scalar bar of a model, if it has one; it explains the colour of what is no number if that is asked for, or `shows_nan`.
+    pub fn bar(&self, model: &Instance, shows_nan: impl FnOnce() -> bool) -> Option<ScalarBar> {
         match model.data.as_deref() {
-            Some(SurfaceData::Mapped { colors, .. }) if !self.no_bar => Some(self.scalar_bar(colors)),
+            Some(SurfaceData::Mapped { colors, .. }) if !self.no_bar => {
+                Some(self.scalar_bar(colors, shows_nan()))
+            }
             _ => None,
         }
     }
@@ -229,7 +231,7 @@ impl AnnotationArgs {
         }
     }
 
-    fn scalar_bar(&self, colors: &DataColors) -> ScalarBar {
+    fn scalar_bar(&self, colors: &DataColors, shows_nan: bool) -> ScalarBar {
         let place = self.bar.unwrap_or(Place { x: 1.0, y: 0.5 });
         let is_level = place.x == 0.5 && (place.y == 0.0 || place.y == 1.0);
         let is_upright = self.bar_orientation.map_or(!is_level, |given| given == Orientation::Vertical);
@@ -246,7 +248,7 @@ impl AnnotationArgs {
             place,
             is_upright,
             // Gray is not explained where nobody asked for it, and where all values are numbers as a rule.
-            shows_nan: colors.nan != DataColors::NAN,
+            shows_nan: shows_nan || colors.nan != DataColors::NAN,
         }
     }
 }

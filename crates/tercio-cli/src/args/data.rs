@@ -11,11 +11,13 @@ use tercio::data::{
     needs_normals,
 };
 use tercio::glam::DVec3;
+use tercio::mesh::loops::prelude::*;
 use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::scene::color_map::{ColorMap, Scale};
-use tercio::scene::{DataColors, Instance, SurfaceData};
+use tercio::scene::{DataColors, DataReader, Instance, SurfaceData};
 
+use super::color_list::color_list;
 use super::values;
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
@@ -30,7 +32,8 @@ pub struct DataArgs {
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
-    /// or a file with a colour a line, or ParaView's JSON [default: viridis; of categories Set1 or tab20].
+    /// a file with a colour a line, or ParaView's JSON, or a list of values and colours: 0,black,0.5,red,1,white
+    /// [default: viridis; of categories Set1 or tab20].
     #[arg(long, value_name = "NAME", aliases = ["cmap", "color-map", "colormap-file"], requires = "color_by")]
     colormap: Option<String>,
     /// Ends of the range: values, or percentiles such as 2%,98%; an empty one is that of the data [default: the least and the
@@ -84,6 +87,9 @@ pub struct DataArgs {
     /// Of the series that the model belongs to.
     #[arg(skip)]
     of_series: Option<Statistics>,
+    /// Whether a model of the series has what is no category.
+    #[arg(skip)]
+    series_has_unknown_category: bool,
     /// Whether doubts were reported with an earlier model of the series.
     #[arg(skip)]
     are_doubts_known: bool,
@@ -106,6 +112,8 @@ pub struct Survey {
     statistics: Statistics,
     range: Option<[f64; 2]>,
     categories: Vec<(f64, String)>,
+    /// Whether something has none of them, as it is no number.
+    has_unknown_category: bool,
 }
 
 impl Survey {
@@ -117,6 +125,7 @@ impl Survey {
             (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
             (a, b) => a.or(b),
         };
+        self.has_unknown_category |= other.has_unknown_category;
         self.categories.extend(other.categories);
         self.categories.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.categories.dedup_by(|a, b| a.0 == b.0);
@@ -202,12 +211,14 @@ fn labels(text: &str) -> Result<Labels, String> {
     words.map(label).collect::<Result<_, String>>().map(Labels)
 }
 
+/// A colour map without a file: by its name, or a list of colours.
+fn known(name: &str) -> Option<ColorMap> {
+    ColorMap::named(name).or_else(|| color_list(name))
+}
+
 /// The file that the name of a colour map means, if it is not a known one.
 fn file(name: &str) -> Option<&Path> {
-    ColorMap::named(name)
-        .is_none()
-        .then(|| Path::new(name))
-        .filter(|path| path.exists() || name.contains(['/', '.']))
+    known(name).is_none().then(|| Path::new(name)).filter(|path| path.exists() || name.contains(['/', '.']))
 }
 
 impl DataArgs {
@@ -222,9 +233,15 @@ impl DataArgs {
     /// [`UsageError`].
     pub fn check(&self) -> Result<(), UsageError> {
         match &self.colormap {
-            Some(name) if ColorMap::named(name).is_none() && file(name).is_none() => {
+            Some(name) if known(name).is_none() && file(name).is_none() => {
                 let names: Vec<&str> = ColorMap::names().collect();
                 let known = names.join(", ");
+                if name.contains(',') {
+                    let text = format!(
+                        "\"{name}\" is no list of ascending values and their colours, such as 0,black,1,white; there are also {known}"
+                    );
+                    return Err(UsageError(text));
+                }
                 let text = format!(
                     "there is no colour map \"{name}\", and no file of that name; there are {known}; _r reverses one"
                 );
@@ -280,7 +297,7 @@ impl DataArgs {
 
     fn map(&self) -> Result<Option<ColorMap>> {
         let Some(name) = &self.colormap else { return Ok(None) };
-        if let Some(map) = ColorMap::named(name) {
+        if let Some(map) = known(name) {
             return Ok(Some(map));
         }
         let map = std::fs::read(name).map_err(anyhow::Error::from);
@@ -356,6 +373,9 @@ impl DataArgs {
                     let categories = colors.categories.iter();
                     survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
                 }
+                let surface = data.surface.as_deref();
+                survey.has_unknown_category =
+                    self.categories.is_some() && has_nan(instance, surface, data.strokes.as_ref());
             }
             Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
             Err(error) => return Err(error.into()),
@@ -374,6 +394,7 @@ impl DataArgs {
     pub fn of_series(&self, survey: &Survey) -> Self {
         let mut own = self.clone();
         own.of_series = Some(survey.statistics);
+        own.series_has_unknown_category = survey.has_unknown_category;
         if own.categories.is_some() {
             own.categories = Some(Labels(survey.categories.clone()));
         }
@@ -429,6 +450,13 @@ impl DataArgs {
         Ok((data.strokes, notes))
     }
 
+    /// Whether the colours of an instance, or of its lines and points, are those of categories, and something has none of them: a list of
+    /// all colours names what that has, too. In a series, whether that is so of any model: the list of all pictures is the same.
+    pub fn has_unknown_category(&self, instance: &Instance, strokes: Option<&StrokeData>) -> bool {
+        let has_nan = || has_nan(instance, instance.data.as_deref(), strokes);
+        self.categories.is_some() && (self.series_has_unknown_category || has_nan())
+    }
+
     /// What the colours show, for reports.
     pub fn json(&self, instance: Option<&Instance>) -> Value {
         let data = instance.and_then(|instance| instance.data.as_deref());
@@ -455,6 +483,29 @@ impl DataArgs {
             "categories": categories,
         })
     }
+}
+
+/// Whether any of these values is no number.
+fn has_nan(instance: &Instance, surface: Option<&SurfaceData>, strokes: Option<&StrokeData>) -> bool {
+    let mesh = &*instance.mesh;
+    let on_surface = match surface {
+        Some(SurfaceData::Mapped { source, .. }) => {
+            let reader = DataReader::new(source, instance, 0.0);
+            let of_cluster = |cluster: usize| {
+                let mut found = false;
+                reader.each(mesh, cluster, |value| found |= value.is_nan());
+                found
+            };
+            let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
+            clusters.map(of_cluster).reduce(|| false, |a, b| a || b)
+        }
+        _ => false,
+    };
+    let on_strokes = |strokes: &StrokeData| match strokes {
+        StrokeData::Mapped { values, .. } => values.iter().any(|value| value.is_nan()),
+        StrokeData::Direct(_) => false,
+    };
+    on_surface || strokes.is_some_and(on_strokes)
 }
 
 /// What of the options does not fit the data that have these statistics: it would be seen only as a picture of one colour.

@@ -116,6 +116,8 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::opacity)]
     opacity: Option<f64>,
     /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.
+    ///
+    /// Colours of all options: #c0ffee, white, rgb(255, 128, 0), or red, green and blue from 0 to 1: 0.2,0.2,0.2.
     #[arg(long, aliases = ["bg-color", "background-color"], value_name = "COLOR", value_parser = values::background)]
     background: Option<Background>,
     /// Strength of highlights, 0 for none.

@@ -4,6 +4,7 @@ pub mod annotation;
 pub mod bench;
 pub mod camera;
 pub mod clip;
+pub mod color_list;
 pub mod data;
 pub mod drawing;
 pub mod effects;

@@ -120,10 +120,18 @@ fn hex(text: &str) -> Option<[u8; 4]> {
     }
 }
 
-/// A colour as in CSS: hexadecimal, by name, `rgb(...)`, `hsl(...)` and so on.
+/// `r,g,b`, shares of 0 to 1 of sRGB's components: colours of F3D, of which some options are known here.
+fn shares(text: &str) -> Option<[u8; 4]> {
+    let shares: Vec<f64> = text.split(',').map(|word| share(word.trim()).ok()).collect::<Option<_>>()?;
+    let [r, g, b]: [f64; 3] = shares.try_into().ok()?;
+    let byte = |v: f64| (v * 255.0).round() as u8;
+    Some([byte(r), byte(g), byte(b), 255])
+}
+
+/// A colour as in CSS: hexadecimal, by name, `rgb(...)`, `hsl(...)` and so on; or three numbers of 0 to 1.
 pub fn color(text: &str) -> Result<[u8; 4], String> {
     let css = || csscolorparser::parse(text).ok().map(|color| color.to_rgba8());
-    hex(text).or_else(css).ok_or_else(|| {
+    hex(text).or_else(|| shares(text)).or_else(css).ok_or_else(|| {
         format!("expected a colour such as #c0ffee, white, steelblue or rgb(255, 128, 0), found \"{text}\"")
     })
 }
@@ -147,7 +155,8 @@ pub fn linear_color(text: &str) -> Result<[f32; 3], String> {
     Ok([r, g, b].map(|v| srgb_to_linear(f64::from(v) / 255.0) as f32))
 }
 
-/// A colour, two colours with a comma between them (upper and lower border), or `transparent`.
+/// A colour, two colours with a comma between them (upper and lower border), or `transparent`. Three numbers with commas are one
+/// colour.
 pub fn background(text: &str) -> Result<Background, String> {
     if text == "transparent" {
         return Ok(Background::Solid([0.0; 4]));
@@ -156,6 +165,7 @@ pub fn background(text: &str) -> Result<Background, String> {
     match between_commas(text)[..] {
         [one] => Ok(Background::Solid(color(one)?)),
         [top, bottom] => Ok(Background::Gradient { top: color(top)?, bottom: color(bottom)? }),
+        [_, _, _] if shares(text).is_some() => Ok(Background::Solid(color(text)?)),
         _ => Err("expected one colour, or two for a gradient: TOP,BOTTOM".into()),
     }
 }
@@ -198,10 +208,14 @@ mod tests {
         assert_eq!(linear_color("white"), linear_color("#fff"));
         assert_eq!(linear_color("SteelBlue"), linear_color("#4682b4"));
         assert_eq!(linear_color("rgb(255, 128, 0)"), linear_color("ff8000"));
+        assert_eq!(linear_color("0.2,0.4,1"), linear_color("#3366ff"));
+        assert_eq!(linear_color("1, 1, 1"), linear_color("white"));
+        assert_eq!(color("0,0,0"), Ok([0, 0, 0, 255]));
         assert!((linear_color("#808080").unwrap()[0] - 0.2158605).abs() < 1e-6);
-        for bad in
-            ["", "#", "#12", "#ggg", "#fffffff", "#ffffff80", "reddish", "ééé", "rgb(1,2", "rgba(1,2,3,0.5)"]
-        {
+        let bad_shares = ["1,1", "1,1,1,1", "1,1,2", "0.1,0.2,-0.3", "1,1,", "255,128,0", "nan,0,0"];
+        let bad =
+            ["", "#", "#12", "#ggg", "#fffffff", "#ffffff80", "reddish", "ééé", "rgb(1,2", "rgba(1,2,3,0.5)"];
+        for bad in bad.into_iter().chain(bad_shares) {
             assert!(linear_color(bad).is_err(), "{bad}");
         }
     }
@@ -213,6 +227,10 @@ mod tests {
         let gradient = Background::Gradient { top: [1.0; 4], bottom: [0.0, 0.0, 0.0, 0.0] };
         assert_eq!(background("#ffffff,#00000000"), Ok(gradient));
         assert_eq!(background("white,rgba(0,0,0,0)"), Ok(gradient));
+        assert_eq!(background("1,1,1"), Ok(Background::Solid([1.0; 4])));
+        let gradient = Background::Gradient { top: [0.0, 0.0, 0.0, 1.0], bottom: [1.0; 4] };
+        assert_eq!(background("000,fff"), Ok(gradient));
+        assert!(background("1,1,2").is_err() && background("1,1,1,white").is_err());
         assert!(background("#fff,").is_err() && background("red,green,blue").is_err());
     }
 }

@@ -6,6 +6,7 @@ use tercio::scene::color_map::ColorMap;
 use tercio::scene_file::Value;
 
 use super::definition::Definition;
+use crate::args::color_list::color_list;
 
 /// Options whose values are names of files.
 const FILES: [&str; 8] =
@@ -15,7 +16,7 @@ const FILES: [&str; 8] =
 pub fn is_file(option: &str, text: &str) -> bool {
     match option {
         "environment" => text != "gradient" && !text.starts_with("gradient:"),
-        "colormap" => ColorMap::named(text).is_none(),
+        "colormap" => ColorMap::named(text).is_none() && color_list(text).is_none(),
         _ => FILES.contains(&option),
     }
 }

@@ -61,9 +61,14 @@ pub(super) fn find(name: &str, strokes: &Strokes, up: DVec3) -> Option<Found> {
     (found != Found::Values(DataSource::Face)).then_some(found)
 }
 
-/// The error with what lines and points have, too.
+/// The error with what lines and points have, too; or theirs, if they have the attribute but not its component.
 pub(super) fn list_those_of(error: DataError, strokes: &Strokes, is_cloud: bool) -> DataError {
     let DataError::Unknown { name, available: of_surface } = error else { return error };
+    // Without a surface, or with one that does not have them, theirs is the attribute that has no such component.
+    let of_own = name::find(&name, &layout(strokes), DVec3::Y).err();
+    if let Some(error @ DataError::Component { .. }) = of_own.filter(|_| !strokes.is_empty()) {
+        return error;
+    }
     let is_made = |name: &String| name.starts_with('@');
     let of_strokes: Vec<String> = match strokes.is_empty() {
         true => Vec::new(),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, bail};
 use tercio::annotate::ScalarBar;
 use tercio::glam::DVec3;
+use tercio::mesh::Aabb;
 use tercio::mesh::io::ReadReport;
 use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
@@ -118,10 +119,12 @@ impl Render {
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);
-            if let Some(bar) = member.annotation.bar(&instance)
-                && !bars.iter().any(|other| is_same(other, &bar))
-            {
-                bars.push(bar);
+            let shows_nan = || member.data.has_unknown_category(&instance, data.as_ref());
+            if let Some(bar) = member.annotation.bar(&instance, shows_nan) {
+                match bars.iter_mut().find(|other| is_same(other, &bar)) {
+                    Some(other) => other.shows_nan |= bar.shows_nan,
+                    None => bars.push(bar),
+                }
             }
             scene.instances.push(instance);
             // Layers of what is not opaque need memory, too.
@@ -200,8 +203,11 @@ impl Render {
         let cameras =
             self.cameras(&job.motion, &camera, (&scene, &subject), &annotated.of_picture(), parts)?;
         drop(subject);
-        let bounds = models.iter().fold(scene.bounds(), |bounds, model| bounds.union(model.stroke_bounds()));
-        annotated.bounds = [bounds.min, bounds.max];
+        if self.annotation.is_behind() {
+            let boxes = models.iter().map(|model| model.model_box(&scene));
+            let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+            annotated.bounds = [bounds.min, bounds.max];
+        }
         annotated.up = up;
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(scene.instances.first());
@@ -249,8 +255,11 @@ impl Render {
             ending::name_model(self.model.name());
         }
         let options = LoadOptions { progress: Some(&display.progress), ..self.load_options(job, taken) };
+        let plan = &job.writing.plan;
         let check = |read: &ReadReport| -> Result<()> {
-            Ok(job.writing.files.check_companions(&self.model.name(), &read.companions)?)
+            job.writing.files.check_companions(&self.model.name(), &read.companions)?;
+            // Before the work on the mesh begins.
+            Ok(self.check_surface(plan, read.faces > 0)?)
         };
         let (mut loaded, share) = match parts {
             None => (options.load_if(&self.model.model, check)?, None),
@@ -260,6 +269,8 @@ impl Render {
                 (loaded, Some(share))
             }
         };
+        // Not all that has one counts its faces.
+        self.check_surface(plan, !loaded.mesh.clusters().is_empty())?;
         let strokes = Arc::new(std::mem::take(&mut loaded.strokes));
         Ok(Opened { key, loaded, share, strokes })
     }

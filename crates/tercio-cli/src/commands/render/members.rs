@@ -14,7 +14,7 @@ use tercio::{LoadReport, TextureReport};
 
 use super::Render;
 use super::strokes::Drawable;
-use super::subject::{Subject, placed};
+use super::subject::Subject;
 use crate::args::place::PlaceArgs;
 use crate::args::strokes::StrokeArgs;
 use crate::{look, report};
@@ -92,12 +92,15 @@ impl OfModel {
         }
     }
 
-    /// The box of the lines, points and glyphs that are drawn.
-    pub fn stroke_bounds(&self) -> Aabb {
-        let own = Extent::of_strokes(&self.drawable.file).bounds();
-        let placed = self.places.iter().map(|place| placed(&own, place));
-        let of_glyphs = self.drawable.glyphs.iter().map(Glyphs::bounds);
-        placed.chain(of_glyphs).fold(Aabb::EMPTY, |all, bounds| all.union(bounds))
+    /// The box of what is drawn of the model itself: not of glyphs, which show its data.
+    pub fn model_box(&self, scene: &Scene) -> Aabb {
+        let mut subject = Subject::default();
+        scene.instances[self.instances.clone()]
+            .iter()
+            .for_each(|instance| subject.add_instance(instance, 0.0));
+        let own = Extent::of_strokes(&self.drawable.file);
+        self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(&own), place, 0.0));
+        subject.smallest_box()
     }
 }
 

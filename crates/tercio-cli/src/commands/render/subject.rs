@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use tercio::glam::{DAffine3, DVec3};
+use tercio::glam::{DAffine3, DMat3, DVec3};
 use tercio::mesh::Aabb;
 use tercio::scene::Instance;
 use tercio::scene::framing::{Extent, Outline};
@@ -52,6 +52,11 @@ impl<'a> Subject<'a> {
         self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.bounds()))
     }
 
+    /// The smallest box around it, however it is turned. Takes a look at the vertices of what is.
+    pub fn smallest_box(&self) -> Aabb {
+        self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.smallest_box()))
+    }
+
     /// See [`Instance::reach`].
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         // Without vertices that is not a number.
@@ -65,6 +70,29 @@ impl Piece<'_> {
             Self::Instance(instance, margin) => grown(instance.bounds(), *margin),
             Self::Extent(extent, place, margin) => grown(placed(&extent.bounds(), place), *margin),
             Self::Outline(outline) => outline.bounds(),
+        }
+    }
+
+    fn smallest_box(&self) -> Aabb {
+        let (bounds, turned) = (self.bounds(), self.is_turned());
+        if bounds.is_empty() || !turned {
+            return bounds;
+        }
+        let middle = bounds.center();
+        let far = |sign: f64| DVec3::from(DVec3::AXES.map(|axis| sign * self.reach(axis * sign, middle)));
+        // Rounded: nothing is outside of the box of the box.
+        Aabb { min: (middle + far(-1.0)).max(bounds.min), max: (middle + far(1.0)).min(bounds.max) }
+    }
+
+    /// Whether its box may be smaller than that of its own box.
+    fn is_turned(&self) -> bool {
+        match self {
+            // A part has the box of the whole model, but not the vertices.
+            Self::Instance(instance, _) => {
+                instance.share.is_none() && turns(&instance.world_from_object.matrix3)
+            }
+            Self::Extent(_, place, _) => turns(&place.matrix3),
+            Self::Outline(_) => false,
         }
     }
 
@@ -100,6 +128,11 @@ impl Piece<'_> {
             Self::Outline(_) => {}
         }
     }
+}
+
+/// Whether a box does not remain a box along the axes: a coordinate depends on more than one of those before.
+fn turns(matrix: &DMat3) -> bool {
+    (0..3).any(|row| matrix.row(row).to_array().iter().filter(|&&v| v != 0.0).count() > 1)
 }
 
 /// A box with a margin on all sides.

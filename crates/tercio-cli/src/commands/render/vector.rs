@@ -19,7 +19,7 @@ use super::members::OfModel;
 use super::strokes::Drawable;
 use super::{Drawn, Loaded, Render};
 use crate::messages;
-use crate::output::Plan;
+use crate::output::{Plan, UsageError};
 use crate::report::grouped;
 
 /// Bands of contours, if nothing else is said.
@@ -41,11 +41,6 @@ impl Render {
         }
         let Some((_, format)) = &plan.drawing else { return Ok(()) };
         let name = format.name().to_uppercase();
-        if !self.members().all(|member| member.strokes.has_lines()) {
-            return Err(format!(
-                "{name} holds lines, not surfaces: give --mode hidden-line, wireframe, edges or contours, or choose .png, .ppm or .webp"
-            ));
-        }
         if self.members().any(|member| member.strokes.has_bodies()) {
             return Err(format!(
                 "{name} holds lines: --glyphs and --line-shape tube draw bodies; choose .png, .ppm or .webp"
@@ -65,6 +60,23 @@ impl Render {
             ));
         }
         Ok(())
+    }
+
+    /// Refuses a surface that is shaded, or drawn as points, in a drawing of lines. Whether a model has one is known when it is read:
+    /// one that has only lines is drawn in every mode.
+    ///
+    /// # Errors
+    /// [`UsageError`], which names the model.
+    pub(super) fn check_surface(&self, plan: &Plan, has_surface: bool) -> Result<(), UsageError> {
+        match &plan.drawing {
+            Some((_, format)) if has_surface && !self.strokes.has_lines() => {
+                let (model, name) = (self.model.name(), format.name().to_uppercase());
+                Err(UsageError(format!(
+                    "{model}: {name} holds lines, not surfaces: give it --mode hidden-line, wireframe, edges or contours, or choose .png, .ppm or .webp"
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Says, once in a run, that samples are asked for where there are none. Not an error: a scene file or a configuration may be for
