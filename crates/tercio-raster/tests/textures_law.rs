@@ -146,15 +146,17 @@ fn textures_that_are_not_opaque() {
 }
 
 #[test]
-fn a_texture_replaces_colours_of_the_mesh() {
+fn a_texture_replaces_colours_of_the_mesh_but_not_their_alpha() {
     let mesh = textured(soup(2_000, 4), 5, 9);
     let faces = (0..mesh.triangles.len()).map(|t| [t as u8, 200, 90, 255 - (t as u8) / 3]).collect();
     let of_faces = Mesh { vertex_colors: None, face_colors: Some(faces), ..mesh.clone() };
     for mesh in [mesh, of_faces] {
-        let mut scene = dressed(&mesh, materials());
-        for use_mesh_colors in [true, false] {
-            scene.instances[0].surface.use_mesh_colors = use_mesh_colors;
-            check_all(&mesh, &scene, &camera(), &everything(60, 44), "own colours");
+        for materials in [materials(), translucent_materials()] {
+            let mut scene = dressed(&mesh, materials);
+            for use_mesh_colors in [true, false] {
+                scene.instances[0].surface.use_mesh_colors = use_mesh_colors;
+                check_all(&mesh, &scene, &camera(), &everything(60, 44), "own colours");
+            }
         }
     }
 }

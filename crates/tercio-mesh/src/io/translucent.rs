@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
 
-/// Counts of what is not opaque, of what colours the mesh: faces, else vertices, else materials.
+/// Counts of what is not opaque. The alpha of the mesh's own colours (of faces, else of vertices) is multiplied by that of
+/// materials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Translucent {
@@ -17,48 +18,56 @@ pub struct Translucent {
     pub faces: u64,
 }
 
+/// What has an alpha of 0 everywhere. That cannot be meant, as nothing would be visible.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Unseen {
+    /// The mesh's own colours.
+    pub colors: bool,
+    /// The materials of all faces.
+    pub materials: bool,
+}
+
 impl Translucent {
-    /// Counts. An alpha that is 0 everywhere cannot be meant, as nothing would be visible: it becomes 1, and a warning
-    /// is returned.
+    /// Counts, after what is invisible everywhere became opaque: then, a warning is returned.
     pub(super) fn count(mesh: &mut Mesh) -> (Self, Option<String>) {
-        match Self::look(mesh) {
-            (_, true) => (Self::default(), Some(Self::make_opaque(mesh))),
-            (counts, false) => (counts, None),
-        }
+        let unseen = Self::look(mesh).1;
+        let warning = unseen.make_opaque(mesh);
+        (Self::look(mesh).0, warning)
     }
 
-    /// Counts, and whether there are colours, and all of them have an alpha of 0.
-    pub(super) fn look(mesh: &Mesh) -> (Self, bool) {
-        let mut counts = Self::default();
-        let all;
-        match (&mesh.face_colors, &mesh.vertex_colors) {
-            (Some(colors), _) => {
-                counts.faces = faces_of(colors, mesh.face_of_triangle.as_deref());
-                all = all_invisible(colors);
-            }
-            (None, Some(colors)) => {
-                let count = |part: &[[u8; 4]]| part.iter().filter(|c| is_translucent(c)).count() as u64;
-                counts.vertices = colors.par_chunks(1 << 16).map(count).sum();
-                all = counts.vertices > 0 && all_invisible(colors);
-            }
-            (None, None) => {
-                let of_faces = mesh.triangle_materials.as_deref().unwrap_or_default();
-                counts.materials = mesh.materials.iter().filter(|m| m.opacity < 1.0).count() as u64;
-                let opacity = |&number: &u32| mesh.materials.get(number as usize).map_or(1.0, |m| m.opacity);
-                all = counts.materials > 0 && of_faces.iter().all(|number| opacity(number) == 0.0);
-            }
+    /// Counts, and what is invisible everywhere.
+    pub(super) fn look(mesh: &Mesh) -> (Self, Unseen) {
+        let (mut counts, mut unseen) = (Self::default(), Unseen::default());
+        if let Some(colors) = &mesh.face_colors {
+            counts.faces = faces_of(colors, mesh.face_of_triangle.as_deref());
+            unseen.colors = all_invisible(colors);
+        } else if let Some(colors) = &mesh.vertex_colors {
+            let count = |part: &[[u8; 4]]| part.iter().filter(|c| is_translucent(c)).count() as u64;
+            counts.vertices = colors.par_chunks(1 << 16).map(count).sum();
+            unseen.colors = counts.vertices > 0 && all_invisible(colors);
         }
-        (counts, all)
+        let of_faces = mesh.triangle_materials.as_deref().unwrap_or_default();
+        counts.materials = mesh.materials.iter().filter(|m| m.opacity < 1.0).count() as u64;
+        let opacity = |&number: &u32| mesh.materials.get(number as usize).map_or(1.0, |m| m.opacity);
+        unseen.materials = counts.materials > 0 && of_faces.iter().all(|number| opacity(number) == 0.0);
+        (counts, unseen)
     }
+}
 
-    /// Makes everything opaque; returns the warning.
-    pub(super) fn make_opaque(mesh: &mut Mesh) -> String {
-        let colors = mesh.face_colors.as_mut().or(mesh.vertex_colors.as_mut());
-        match colors {
-            Some(colors) => colors.iter_mut().for_each(|color| color[3] = u8::MAX),
-            None => mesh.materials.iter_mut().for_each(|material| material.opacity = 1.0),
+impl Unseen {
+    /// Makes it opaque; returns the warning if there is anything.
+    pub fn make_opaque(self, mesh: &mut Mesh) -> Option<String> {
+        if self.colors
+            && let Some(colors) = mesh.face_colors.as_mut().or(mesh.vertex_colors.as_mut())
+        {
+            colors.iter_mut().for_each(|color| color[3] = u8::MAX);
         }
-        "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque".into()
+        if self.materials {
+            mesh.materials.iter_mut().for_each(|material| material.opacity = 1.0);
+        }
+        (self != Self::default()).then(|| {
+            "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque".into()
+        })
     }
 }
 
@@ -110,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn materials_count_if_nothing_else_has_colours() {
+    fn materials_count_beside_colours() {
         let material = |opacity| FileMaterial { opacity, ..FileMaterial::default() };
         let mut mesh = Mesh {
             materials: vec![material(0.0), material(1.0)],
@@ -124,6 +133,10 @@ mod tests {
         assert_eq!(mesh.materials[0].opacity, 1.0);
         mesh.vertex_colors = Some(vec![[0, 0, 0, 255]]);
         mesh.materials[0].opacity = 0.5;
-        assert_eq!(Translucent::count(&mut mesh).0, Translucent::default());
+        assert_eq!(Translucent::count(&mut mesh).0, Translucent { materials: 1, ..Translucent::default() });
+        // Either of both makes all invisible.
+        mesh.materials[0].opacity = 0.0;
+        assert!(Translucent::count(&mut mesh).1.is_some());
+        assert_eq!((mesh.materials[0].opacity, mesh.vertex_colors.as_deref()), (1.0, Some(&[[0, 0, 0, 255]][..])));
     }
 }

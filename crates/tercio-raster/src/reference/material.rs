@@ -36,7 +36,8 @@ pub fn material_of(scene: &Scene, instance: &Instance, mesh: &Mesh, triangle: us
 }
 
 /// Evaluates a material at a point. `point` is `None` if the mesh has no texture coordinates: then there are no textures.
-/// `own` is the colour and alpha of the mesh, if it has colours, which a texture replaces.
+/// `own` is the colour and alpha of the mesh, if it has colours: they stand in place of the material's. A texture stands in place of
+/// the colour, not of its alpha.
 pub fn evaluate(
     scene: &Scene,
     material: &Material,
@@ -55,6 +56,9 @@ pub fn evaluate(
     };
     let opacity = if material.opacity < 1.0 { material.opacity.max(0.0) } else { 1.0 };
     let (mut albedo, mut alpha) = (material.base_color, opacity);
+    if let Some((_, own_alpha)) = own {
+        alpha *= own_alpha;
+    }
     match (map(&material.base_color_map), own) {
         (Some(([r, g, b, a], is_opaque)), _) => {
             let straight = |c: f32| match a {
@@ -65,10 +69,7 @@ pub fn evaluate(
             albedo = [albedo[0] * straight(r), albedo[1] * straight(g), albedo[2] * straight(b)];
             alpha = if is_opaque { alpha } else { alpha * a };
         }
-        (None, Some((color, own_alpha))) => {
-            albedo = color;
-            alpha *= own_alpha;
-        }
+        (None, Some((color, _))) => albedo = color,
         (None, None) => {}
     }
     if let Some(([share, ..], _)) = map(&material.opacity_map) {

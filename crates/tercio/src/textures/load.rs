@@ -80,14 +80,16 @@ impl TextureOptions<'_> {
         // Textures are nowhere on a mesh without texture coordinates; `NotDrawn` counts them.
         let has_textures = mesh.layout().texcoords;
         let stock = if has_textures { self.stock(&mesh.materials, folders, &mut report) } else { Vec::new() };
-        let stated = mesh.materials.iter().any(material::states_more_than_a_colour);
+        let layout = mesh.layout();
+        let has_own_colors = layout.vertex_colors || layout.face_colors;
+        // The mesh's own colours stand in place of the colours of materials, not of their opacity.
+        let states_more = |file| material::states_more_than_a_colour(file) || has_own_colors && file.opacity < 1.0;
+        let stated = mesh.materials.iter().any(states_more);
         if stated || stock.iter().any(|stock| !stock.loaded.is_empty()) {
             let first_texture = scene.textures.len();
             let mut textures = Textures { stock: &stock, numbers: HashMap::new(), options: self, scene };
             let surface = textures.scene.instances[instance].surface;
             let mut of_mesh = Vec::with_capacity(mesh.materials.len());
-            let layout = mesh.layout();
-            let has_own_colors = layout.vertex_colors || layout.face_colors;
             let mut lit_nevertheless = 0;
             for file in &mesh.materials {
                 let mut maps = textures.maps(file);

@@ -27,14 +27,15 @@ pub struct Evaluated {
     pub uv_scale: [Lanes; 2],
 }
 
-/// Colours of the mesh itself at 16 points.
+/// Colours of the mesh itself at 16 points: they stand in place of the material's. A texture stands in place of the colours, not of
+/// their alpha.
 pub struct Own {
     pub color: [Lanes; 3],
     pub alpha: Lanes,
 }
 
 impl Evaluated {
-    /// Evaluates the materials of all lanes. Without `points` there are no textures; `own` is replaced by a texture.
+    /// Evaluates the materials of all lanes. Without `points` there are no textures.
     #[inline(always)]
     pub fn evaluate<S: Simd>(
         &mut self,
@@ -86,6 +87,10 @@ impl Evaluated {
             Some(texture.is_opaque())
         };
         let opacity = if material.opacity < 1.0 { material.opacity.max(0.0) } else { 1.0 };
+        match own {
+            Some(own) => lanes_of().for_each(|lane| self.alpha[lane] = opacity * own.alpha[lane]),
+            None => lanes_of().for_each(|lane| self.alpha[lane] = opacity),
+        }
         match (sampled(&material.base_color_map, &mut colors), own) {
             (Some(is_opaque), _) => {
                 for lane in lanes_of() {
@@ -96,19 +101,17 @@ impl Evaluated {
                         let straight = if by == 0.0 { 0.0 } else { c / by };
                         self.albedo[k][lane] = material.base_color[k] * straight;
                     }
-                    self.alpha[lane] = if is_opaque { opacity } else { opacity * a };
+                    self.alpha[lane] = if is_opaque { self.alpha[lane] } else { self.alpha[lane] * a };
                 }
             }
             (None, Some(own)) => {
                 for lane in lanes_of() {
                     (0..3).for_each(|k| self.albedo[k][lane] = own.color[k][lane]);
-                    self.alpha[lane] = opacity * own.alpha[lane];
                 }
             }
             (None, None) => {
                 for lane in lanes_of() {
                     (0..3).for_each(|k| self.albedo[k][lane] = material.base_color[k]);
-                    self.alpha[lane] = opacity;
                 }
             }
         }

@@ -79,6 +79,42 @@ fn plain_colours_stay_as_they_are() {
     assert!(scene.instances[0].materials.is_some());
 }
 
+/// The alpha of vertices, materials and textures is multiplied, whichever of them has the colour that is seen.
+#[test]
+fn every_alpha_counts() {
+    let (eye, target) = (DVec3::new(0.5, 0.5, 2.0), DVec3::new(0.5, 0.5, 0.0));
+    let projection = Projection::Orthographic { height: 0.6 };
+    let camera = Camera { eye, target, up: DVec3::Y, projection, near: None, shift: [0.0; 2] };
+    let mut settings = Settings::one_sample(8, 8);
+    (settings.outputs.linear, settings.shading) = (true, tercio_raster::Shading::Unlit);
+    for (texture, of_texture) in [("", 1.0), ("map_Kd red.png", 1.0), ("map_Kd half.png", 128.0 / 255.0)] {
+        for (material, of_material) in [("", 1.0), ("d 0.5", 0.5), ("Tr 0.75", 0.25)] {
+            for (color, of_vertices) in [("", 1.0), (" 1 0 0", 1.0), (" 1 0 0 0.2", 0.2)] {
+                let library = format!("newmtl a\nKd 1 0 0\n{material}\n{texture}\n");
+                let library = format!("{library}{}", library.replace("newmtl a", "newmtl b"));
+                let model =
+                    Model::new(&library).with("red.png", &[RED]).with("half.png", &[[255, 0, 0, 128]; 2]);
+                let line = |line: &str| match line.starts_with("v ") {
+                    true => format!("{line}{color}\n"),
+                    false => format!("{line}\n"),
+                };
+                let text: String = SQUARE.lines().map(line).collect();
+                fs::write(model.0.path().join("m.obj"), text).expect("room");
+                let (mut scene, report) = model.load(&TextureOptions::default());
+                assert_eq!(report.warnings.len(), 0, "{:?}", report.warnings);
+                scene.background = tercio_scene::Background::Solid([1.0; 4]);
+                let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+                let alpha: f64 = of_texture * of_material * of_vertices;
+                for linear in &frame.planes.linear {
+                    let expected = [1.0, 1.0 - alpha, 1.0 - alpha];
+                    let far = (0..3).any(|k| (f64::from(linear[k]) - expected[k]).abs() > 1e-3);
+                    assert!(!far, "{texture:?}, {material:?}, {color:?}: {linear:?} in place of {expected:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn what_is_missing_or_broken_is_one_warning() {
     let library = "newmtl a\nmap_Kd no.png\nmap_Ks folder.png\nmap_Ke text.png\nmap_Bump gone.png\nnewmtl b\nmap_Kd a.png\n";
