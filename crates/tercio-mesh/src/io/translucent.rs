@@ -65,9 +65,8 @@ impl Unseen {
         if self.materials {
             mesh.materials.iter_mut().for_each(|material| material.opacity = 1.0);
         }
-        (self != Self::default()).then(|| {
-            "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque".into()
-        })
+        (self != Self::default())
+            .then(|| "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque".into())
     }
 }
 
@@ -137,6 +136,9 @@ mod tests {
         // Either of both makes all invisible.
         mesh.materials[0].opacity = 0.0;
         assert!(Translucent::count(&mut mesh).1.is_some());
-        assert_eq!((mesh.materials[0].opacity, mesh.vertex_colors.as_deref()), (1.0, Some(&[[0, 0, 0, 255]][..])));
+        assert_eq!(
+            (mesh.materials[0].opacity, mesh.vertex_colors.as_deref()),
+            (1.0, Some(&[[0, 0, 0, 255]][..]))
+        );
     }
 }

@@ -250,6 +250,7 @@ fn panorama_from_bytes(mut bytes: Vec<u8>, memory_limit: Option<u64>) -> Result<
     };
     let needs = needs(Cursor::new(&bytes), format, bytes.len() as u64)?;
     needs.check(0, memory_limit)?;
+    check_end(&bytes, format)?;
     let decoder = decoder(Cursor::new(&bytes), format, needs.decoding_bytes)?;
     let is_linear = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
     let image = DynamicImage::from_decoder(decoder).map_err(TextureError::from)?;
@@ -319,11 +320,38 @@ fn needs<'a>(
     Ok(Needs { format, size: (width, height), file_bytes, texture_bytes, decoding_bytes })
 }
 
+/// Refuses a JPEG that ends early: its decoder makes what is missing grey.
+fn check_end(bytes: &[u8], format: ImageFormat) -> Result<(), TextureError> {
+    // Segments up to the first scan have a length; a picture within one of them has an end of its own.
+    const START_OF_SCAN: u8 = 0xda;
+    const END: [u8; 2] = [0xff, 0xd9];
+    let mut rest = match format {
+        ImageFormat::Jpeg => bytes.get(2..).unwrap_or_default(),
+        _ => return Ok(()),
+    };
+    let is_short = loop {
+        // Bytes that fill up come before a marker.
+        match rest {
+            [0xff, 0xff, ..] => rest = &rest[1..],
+            [0xff, START_OF_SCAN, ..] => break !rest.windows(2).any(|pair| pair == END),
+            [0xff, _, high, low, ..] => {
+                let length = usize::from(u16::from_be_bytes([*high, *low]));
+                rest = rest.get(2 + length.max(2)..).unwrap_or_default();
+            }
+            [] => break true,
+            // What that is, the decoder knows.
+            _ => break false,
+        }
+    };
+    if is_short { Err(TextureError::Broken { reason: "the file ends early".into() }) } else { Ok(()) }
+}
+
 fn decode(bytes: &[u8], needs: &Needs) -> Result<Picture, TextureError> {
     let decoder = decoder(Cursor::new(bytes), needs.format, needs.decoding_bytes)?;
     if decoder.dimensions() != needs.size || decoder.total_bytes() > needs.decoding_bytes / 4 {
         return Err(TextureError::Broken { reason: "the file has changed while it was read".into() });
     }
+    check_end(bytes, needs.format)?;
     let is_wide = matches!(
         decoder.color_type(),
         ColorType::L16

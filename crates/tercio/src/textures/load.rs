@@ -83,7 +83,8 @@ impl TextureOptions<'_> {
         let layout = mesh.layout();
         let has_own_colors = layout.vertex_colors || layout.face_colors;
         // The mesh's own colours stand in place of the colours of materials, not of their opacity.
-        let states_more = |file| material::states_more_than_a_colour(file) || has_own_colors && file.opacity < 1.0;
+        let states_more =
+            |file| material::states_more_than_a_colour(file) || has_own_colors && file.opacity < 1.0;
         let stated = mesh.materials.iter().any(states_more);
         if stated || stock.iter().any(|stock| !stock.loaded.is_empty()) {
             let first_texture = scene.textures.len();

@@ -238,7 +238,11 @@ fn face_columns(
 
 /// MeshLab names textures in comments, and if there are several, gives each face the number of its texture.
 fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadError> {
-    if mesh.texcoords.is_none() || header.textures.is_empty() {
+    if mesh.texcoords.is_none() {
+        return Ok(());
+    }
+    warn_of_numbers(job, header, mesh);
+    if header.textures.is_empty() {
         return Ok(());
     }
     job.reserve("materials", 4 * mesh.triangles.len() as u64)?;
@@ -249,19 +253,34 @@ fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadErro
         ..FileMaterial::default()
     };
     mesh.materials = header.textures.iter().map(material).collect();
-    let numbers = mesh
-        .attributes
-        .iter()
-        .find(|a| a.domain == AttributeDomain::Triangle && a.name == "texnumber")
-        .map(|a| a.values.as_slice());
-    let textures = mesh.materials.len() as u32;
+    let numbers = texture_numbers(mesh);
     let of_triangle = |i: usize| match numbers.and_then(|n| n.get(i)) {
-        Some(&number) if f64::from(number) == f64::from(number as u32) && (number as u32) < textures => {
-            number as u32
-        }
-        Some(_) => Mesh::NO_MATERIAL,
+        Some(&number) => texture_of(number, &mesh.materials).unwrap_or(Mesh::NO_MATERIAL),
         None => 0,
     };
     mesh.triangle_materials = Some((0..mesh.triangles.len()).map(of_triangle).collect());
     Ok(())
+}
+
+/// The numbers of the textures of triangles.
+fn texture_numbers(mesh: &Mesh) -> Option<&[f32]> {
+    let is_number = |a: &&Attribute| a.domain == AttributeDomain::Triangle && a.name == "texnumber";
+    mesh.attributes.iter().find(is_number).map(|a| a.values.as_slice())
+}
+
+/// Which of some textures a number means.
+fn texture_of<T>(number: f32, textures: &[T]) -> Option<u32> {
+    let index = number as u32;
+    (f64::from(number) == f64::from(index) && (index as usize) < textures.len()).then_some(index)
+}
+
+/// Faces without a texture have a negative number.
+fn warn_of_numbers(job: &Job, header: &Header, mesh: &Mesh) {
+    let numbers = texture_numbers(mesh).unwrap_or_default();
+    let is_missing = |&&number: &&f32| !(number < 0.0) && texture_of(number, &header.textures).is_none();
+    let missing = numbers.par_iter().filter(is_missing).count() as u64;
+    if missing > 0 {
+        let (triangles, named) = (counted(missing, "triangle"), header.textures.len());
+        job.warn(format!("did not draw textures of {triangles}: their texnumber is none of the {named} textures of the file"));
+    }
 }

@@ -108,7 +108,10 @@ fn every_alpha_counts() {
                 for linear in &frame.planes.linear {
                     let expected = [1.0, 1.0 - alpha, 1.0 - alpha];
                     let far = (0..3).any(|k| (f64::from(linear[k]) - expected[k]).abs() > 1e-3);
-                    assert!(!far, "{texture:?}, {material:?}, {color:?}: {linear:?} in place of {expected:?}");
+                    assert!(
+                        !far,
+                        "{texture:?}, {material:?}, {color:?}: {linear:?} in place of {expected:?}"
+                    );
                 }
             }
         }

@@ -266,6 +266,21 @@ fn texture_seams_split_vertices() {
         assert_eq!(mesh.materials[0].textures.diffuse, Some(FileTexture::new("a  b.png")));
         assert_eq!(mesh.triangle_materials, Some(vec![0, 1, Mesh::NO_MATERIAL]));
         assert_eq!(model.report.warnings.len(), 1);
+        // Numbers of textures that the file does not name.
+        let one = [&bytes[..at], b"comment TextureFile a.png\n", &bytes[at..]].concat();
+        for (bytes, expected) in [
+            (
+                one,
+                "did not draw textures of 1 triangle: their texnumber is none of the 1 textures of the file",
+            ),
+            (
+                bytes,
+                "did not draw textures of 2 triangles: their texnumber is none of the 0 textures of the file",
+            ),
+        ] {
+            let warnings = read_ok(bytes).report.warnings;
+            assert!(warnings.iter().any(|warning| warning == expected), "{warnings:?}");
+        }
     }
 }
 
