@@ -46,6 +46,19 @@ fn every_option_changes_the_picture_and_how_it_is_drawn_does_not() {
     assert!(place.read("plain.png") == place.read("none.png"));
 }
 
+/// Effects cannot darken what is nearly black already.
+#[test]
+fn points_are_light_where_an_effect_darkens_them() {
+    let place = Place::new();
+    let brightest = |options: &str| {
+        place.run(&format!("{MODEL} -o p.ppm --mode points --background black {options}")).ok_silently();
+        place.read("p.ppm").split_off("P6 120 90 255 ".len()).into_iter().max()
+    };
+    assert!(brightest("") < Some(60));
+    assert!(brightest("--edl") > Some(150) && brightest("--ao") > Some(150));
+    assert_eq!(brightest("--edl --color #0a0000"), Some(10));
+}
+
 /// One side of a sphere is lit: the one that the bright half of the panorama is on, as it turns.
 #[test]
 fn environments_turn() {

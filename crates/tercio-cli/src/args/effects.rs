@@ -52,7 +52,7 @@ pub struct EffectArgs {
     #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = radius, requires = "ao")]
     ao_radius: Option<f64>,
     /// Darkens what lies behind something else or slopes away (eye-dome lighting), for dense scans; with a strength of 0 to
-    /// 100, 1 is usual.
+    /// 100, 1 is usual. Points without a colour are light with it.
     #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
     #[arg(value_parser = edl_strength)]
     edl: Option<f64>,
@@ -108,6 +108,11 @@ impl EffectArgs {
     fn eye_dome(&self) -> Option<EyeDome> {
         let strength = self.edl.filter(|&strength| strength > 0.0);
         strength.map(|strength| EyeDome { strength: strength as f32, radius: self.edl_radius })
+    }
+
+    /// Does an effect make forms visible by darkening what is deep?
+    pub fn darkens(&self) -> bool {
+        self.occlusion().is_some() || self.eye_dome().is_some()
     }
 
     /// The planes that the effects need.

@@ -321,13 +321,14 @@ impl StrokeArgs {
         of_triangles.then(|| SurfaceEdges::new([r, g, b], width as f32, None))
     }
 
-    /// How lines and points without colours of their own are drawn, if the model has this linear colour.
-    pub fn pens(&self, color: Option<[f32; 3]>) -> Pens {
+    /// How lines and points without colours of their own are drawn, if the model has this linear colour; `is_darkened` if an
+    /// effect darkens them by their depth.
+    pub fn pens(&self, color: Option<[f32; 3]>, is_darkened: bool) -> Pens {
         let ink = color.map_or(INK, |color| opaque(Some(color)));
-        // Light makes the form of spheres and tubes visible, which needs a colour that is not dark.
+        // Light makes the form of spheres and tubes visible, and effects that of clouds; both need a colour that is not dark.
         let of_points = match self.point_shape {
-            ShapeName::Sphere => opaque(color),
-            ShapeName::Square | ShapeName::Round => ink,
+            ShapeName::Square | ShapeName::Round if !is_darkened => ink,
+            _ => opaque(color),
         };
         let (width, of_lines) = match self.line_shape {
             LineName::Tube => (TUBE, opaque(color)),

@@ -163,13 +163,19 @@ impl Render {
         };
         for (member, of_model) in all() {
             let instances = &scene.instances[of_model.instances.clone()];
-            drawn.instances.extend(member.strokes_for(&eye, of_model, instances));
+            drawn.instances.extend(member.strokes_for(&eye, of_model, instances, self.effects.darkens()));
         }
         Ok(Cow::Owned(drawn))
     }
 
-    /// The strokes of this model, which has these instances.
-    fn strokes_for(&self, eye: &Eye, of_model: &OfModel, instances: &[Instance]) -> Vec<Instance> {
+    /// The strokes of this model, which has these instances; `is_darkened` if an effect of the picture darkens what is deep.
+    fn strokes_for(
+        &self,
+        eye: &Eye,
+        of_model: &OfModel,
+        instances: &[Instance],
+        is_darkened: bool,
+    ) -> Vec<Instance> {
         let Drawable { file, data, edges, edge_data, glyphs } = &of_model.drawable;
         let (line_shape, shape) = (self.strokes.line_shape(), self.strokes.shape());
         let mut drawn = Vec::new();
@@ -183,7 +189,7 @@ impl Render {
                 });
             }
         }
-        let pens = self.strokes.pens(self.drawing.color());
+        let pens = self.strokes.pens(self.drawing.color(), is_darkened);
         if self.strokes.has_vertices() {
             for instance in instances {
                 drawn.extend(strokes::vertices(eye, instance, shape, &pens.points));

@@ -186,7 +186,7 @@ impl Render {
 
     /// The widths of all lines and points of a model.
     fn widths(&self) -> [Length; 3] {
-        let pens = self.strokes.pens(self.drawing.color());
+        let pens = self.strokes.pens(self.drawing.color(), false);
         [self.strokes.edge_pen().width, pens.lines.width, pens.points.width]
     }
 
@@ -202,7 +202,7 @@ impl Render {
         }
         let Drawable { file, data, edges, .. } = &of_model.drawable;
         let file = &*in_colors_of(data.as_ref(), file);
-        let pens = self.strokes.pens(self.drawing.color());
+        let pens = self.strokes.pens(self.drawing.color(), false);
         for place in &of_model.places {
             for (edges, part) in edges {
                 sketch.edges(edges, place, &self.strokes.edge_pen(), *part != EdgePart::All);
