@@ -102,6 +102,37 @@ fn a_description_with_absurd_numbers_is_refused() {
     );
 }
 
+/// One more rank is never a step, and beyond those that are counted the parts that grow are named.
+#[test]
+fn predictions_have_no_steps_between_numbers_of_ranks() {
+    let place = Place::new();
+    let predict = |organisation: &str, ranks: u32, more: &str| {
+        let model = "lab predict builtin:gyroid@6k --size 960x640 --machine cluster-64";
+        place.run(&format!("{model} -O {organisation} -n {ranks} {more}")).ok_silently()
+    };
+    for organisation in ["sort-first", "sort-last"] {
+        let frame = |ranks| -> (String, f64) {
+            let json: serde_json::Value =
+                serde_json::from_str(predict(organisation, ranks, "--json").text()).unwrap();
+            (json["model"].as_str().unwrap().into(), json["total_seconds"].as_f64().unwrap())
+        };
+        for ranks in [256, 1024] {
+            let ((model, fewer), (next_model, more)) = (frame(ranks), frame(ranks + 1));
+            let next = if ranks == 1024 { "extrapolated" } else { "renderer" };
+            assert_eq!((model.as_str(), next_model.as_str()), ("renderer", next), "{organisation}");
+            assert!((more / fewer - 1.0).abs() < 0.1, "{organisation}, {ranks}: {fewer} and {more}");
+        }
+    }
+    let text = predict("sort-first", 4096, "");
+    assert!(
+        text.text().contains("\nterms that grow with the number of ranks: messages\n"),
+        "{}",
+        text.text()
+    );
+    let simulated = predict("sort-last", 4096, "--simulate");
+    assert!(simulated.text().contains("by the simulator of the sorting classes: as requested"));
+}
+
 /// One rule for all organisations.
 #[test]
 fn ranks_share_processors_only_if_that_is_asked_for() {

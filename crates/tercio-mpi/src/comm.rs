@@ -21,6 +21,9 @@ const SIGNAL: i32 = 3;
 /// Tag of the last message of a rank.
 const FAREWELL: i32 = 4;
 
+/// So few outgoing messages are not looked through: their memory is reused from frame to frame anyway.
+const FEW_OUTGOING: usize = 4;
+
 /// Most bytes that are sent in one piece. MPI counts in C ints, below 2^31; larger messages are sent in parts.
 const PART_BYTES: usize = 1 << 30;
 
@@ -32,6 +35,9 @@ const PART_BYTES: usize = 1 << 30;
 pub struct MpiComm {
     link: Link,
     outgoing: Vec<Outgoing>,
+    /// So many outgoing messages are looked through when another one is sent: twice as many as were left the last time, so that no
+    /// message is looked at more than a few times however many there are.
+    look_at: usize,
     /// Received from each rank.
     arrived: Vec<Arrived>,
     /// Who has sent messages.
@@ -81,6 +87,7 @@ impl MpiComm {
         Self {
             link,
             outgoing: Vec::new(),
+            look_at: FEW_OUTGOING,
             arrived,
             ready: ReadySenders::default(),
             left: Vec::new(),
@@ -152,7 +159,9 @@ impl MpiComm {
         if self.arrived[to].has_left {
             return Err(CommError::Gone { rank: to });
         }
-        self.forget_sent()?;
+        if self.outgoing.len() >= self.look_at {
+            self.forget_sent()?;
+        }
         let outgoing = self.link.send(to, (PART, tag), bytes, self.part_bytes);
         self.outgoing.push(outgoing.map_err(transport(to))?);
         Ok(())
@@ -169,6 +178,7 @@ impl MpiComm {
                 at += 1;
             }
         }
+        self.look_at = (2 * self.outgoing.len()).max(FEW_OUTGOING);
         Ok(())
     }
 

@@ -14,7 +14,7 @@ use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 
 /// The largest number of ranks.
-pub const MAX_RANKS: usize = 256;
+pub const MAX_RANKS: usize = 1024;
 
 /// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -71,7 +71,7 @@ pub enum CompositionName {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
 pub struct RanksArgs {
-    /// Draws with this many ranks, 1 to 256: threads of this process that share nothing but the model and send each
+    /// Draws with this many ranks, 1 to 1024: threads of this process that share nothing but the model and send each
     /// other messages, as the processes of a cluster do. They share the threads of --threads, but each has at least one. Processes that
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]

@@ -10,9 +10,10 @@ use tercio::image::Destination;
 use tercio_lab::machines::Machine;
 use tercio_lab::predict::advise::simulated::describe;
 use tercio_lab::predict::frame::{FrameTime, need_costs};
+use tercio_lab::predict::ranks::extrapolated::{ExtrapolatedFrame, Term};
 use tercio_lab::predict::ranks::renderer::{Carrier, RankSeconds, RanksFrame};
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
-use tercio_lab::predict::ranks::{Plan, Simulated, predict, simulate};
+use tercio_lab::predict::ranks::{Plan, Simulated, extrapolate, predict, simulate};
 use tercio_lab::simulators::sorting::{Assignment, Organisation, usual_group};
 use tercio_lab::words::counted as counted_words;
 
@@ -23,7 +24,8 @@ use crate::output::{UsageError, write_text};
 /// Predicts a frame of the renderer: time of each phase, bytes, imbalance, memory.
 ///
 /// Threads, and ranks in the renderer's own organisations, come from the models that 'tercio lab validate' compares
-/// with it. Other organisations come from the simulator of the sorting classes; the output says which of the two it is.
+/// with it. Of more than 1,024 ranks each part of the frame is continued from 256 and 1,024 of them, and the output says
+/// which parts grow. Other organisations come from the simulator of the sorting classes; the output says where it is from.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -131,8 +133,13 @@ impl Predict {
             true => Err(Simulated::Asked),
             false => pool.install(|| predict(&machine, &counted.picture(), &plan))?,
         };
+        let processors = machine.processors_for(ranks);
         let text = match rendered {
-            Ok(frame) => self.renderer_text(&counted, &plan, machine.processors_for(ranks), &frame),
+            Ok(frame) => self.renderer_text(&counted, &plan, processors, &frame),
+            Err(Simulated::Ranks) => {
+                let frame = pool.install(|| extrapolate(&machine, &counted.picture(), &plan))?;
+                self.extrapolated_text(&counted, processors, &frame)
+            }
             Err(reason) => {
                 plan.need_processors(&machine)
                     .with_context(|| format!("the simulator gives each rank a processor ({reason})"))?;
@@ -257,6 +264,44 @@ impl Predict {
             m.messages,
             m.model
         );
+        text
+    }
+
+    fn extrapolated_text(&self, counted: &Counted, processors: usize, frame: &ExtrapolatedFrame) -> String {
+        let plan = &frame.plan;
+        if self.json {
+            let value = json!({
+                "model": "extrapolated", "organisation": describe(plan), "ranks": plan.ranks, "processors": processors,
+                "counters": counted.counted.frame, "prediction": frame, "total_seconds": frame.total(),
+            });
+            return format!("{value:#}\n");
+        }
+        let [fewer, more] = frame.counted;
+        let mut text = format!(
+            "{}, {}\nby the model of the renderer's ranks for {fewer} and {more} of them, and each term continued from there; rank 0:\n",
+            ranks_on(plan.ranks, processors),
+            describe(plan)
+        );
+        // Writing into a string cannot fail.
+        let _ =
+            writeln!(text, "{:16} {fewer:>12}    {more:>12}    {:>12}       as ranks to the", "", plan.ranks);
+        for term in &frame.terms {
+            let [fewer, more] = term.counted.map(|seconds| seconds * 1e3);
+            let seconds = term.seconds * 1e3;
+            let _ = writeln!(
+                text,
+                "{:16} {fewer:12.4} ms {more:12.4} ms {seconds:12.4} ms {:8.2}",
+                term.name, term.exponent
+            );
+        }
+        let sum = |of: fn(&Term) -> f64| frame.terms.iter().map(of).sum::<f64>() * 1e3;
+        let (fewer, more) = (sum(|term| term.counted[0]), sum(|term| term.counted[1]));
+        let _ =
+            writeln!(text, "{:16} {fewer:12.4} ms {more:12.4} ms {:12.4} ms", "frame", frame.total() * 1e3);
+        let growing: Vec<&str> =
+            frame.terms.iter().filter(|term| term.grows()).map(|term| term.name).collect();
+        let growing = if growing.is_empty() { "none".into() } else { growing.join(", ") };
+        let _ = writeln!(text, "terms that grow with the number of ranks: {growing}");
         text
     }
 

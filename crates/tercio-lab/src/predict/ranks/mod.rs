@@ -1,9 +1,10 @@
 //! Predicts frames of ranks.
 //!
 //! There are two models. The work of the renderer's ranks, sort-first and sort-last with direct send, is counted rank
-//! by rank, charged and scheduled; `tercio lab validate --ranks` compares this model with the renderer. Everything
-//! else, sort-middle, sort-twice, other networks, a million ranks, comes from the simulator of the sorting classes,
-//! which has polygons and links, but not the work of the renderer. A prediction says which of them it is from.
+//! by rank, charged and scheduled; `tercio lab validate --ranks` compares this model with the renderer. Of more than
+//! [`MOST_RANKS`] ranks, each term of the frame is continued from what it is with fewer. Everything else, sort-middle,
+//! sort-twice and other networks, comes from the simulator of the sorting classes, which has polygons and links, but not
+//! the work of the renderer. A prediction says which of them it is from.
 //!
 //! | module | what |
 //! |---|---|
@@ -12,6 +13,7 @@
 //! | [`exchange`] | their work besides drawing, and its costs |
 //! | [`schedule`] | simulates ranks on processors and messages on the network |
 //! | [`renderer`] | a frame of the renderer's ranks |
+//! | [`extrapolated`] | the frame of more ranks than are counted |
 //! | [`simulated`] | a frame by the simulator |
 //! | [`measure`] | the real ranks' times |
 //! | [`calibrate`] | the costs of this machine |
@@ -19,6 +21,7 @@
 pub mod calibrate;
 pub mod drawing;
 pub mod exchange;
+pub mod extrapolated;
 pub mod measure;
 pub mod renderer;
 pub mod schedule;
@@ -37,11 +40,12 @@ use crate::machines::{Machine, MachineError, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
 use exchange::ExchangeCosts;
+pub use extrapolated::extrapolate;
 use renderer::{RanksFrame, RanksWork};
 use simulated::SimulatedFrame;
 
-/// The largest number of ranks that the renderer draws with.
-pub const MOST_RANKS: usize = 256;
+/// The largest number of ranks whose work is counted rank by rank, as the renderer divides it.
+pub const MOST_RANKS: usize = 1024;
 /// Edges of the renderer's tiles, which are the regions of its ranks.
 pub const TILE_EDGES: [u32; 5] = [8, 16, 32, 64, 128];
 
@@ -91,7 +95,7 @@ pub enum Simulated {
     #[error("the renderer's regions are tiles of 8, 16, 32, 64 or 128 pixels")]
     Region,
     /// More than [`MOST_RANKS`].
-    #[error("the renderer has at most {MOST_RANKS} ranks")]
+    #[error("the work of at most {MOST_RANKS} ranks is counted rank by rank")]
     Ranks,
     /// Another network than the machine's.
     #[error("only the machine's own network carries the renderer's messages")]
@@ -126,14 +130,15 @@ impl Plan {
         if self.region.is_some_and(|edge| !TILE_EDGES.contains(&edge)) {
             return Err(Simulated::Region);
         }
-        if self.ranks > MOST_RANKS {
-            return Err(Simulated::Ranks);
-        }
         if self.topology.is_some() {
             return Err(Simulated::Network);
         }
         if !ExchangeCosts::are_known(machine) {
             return Err(Simulated::Costs);
+        }
+        // Nothing but their number: it can be extrapolated.
+        if self.ranks > MOST_RANKS {
+            return Err(Simulated::Ranks);
         }
         Ok(organisation)
     }

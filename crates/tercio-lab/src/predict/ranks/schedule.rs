@@ -225,8 +225,7 @@ impl Play<'_> {
 
     /// How long each rank has waited that polls on the processor of a running one.
     fn polling_beside(&self, rank: usize) -> impl Iterator<Item = f64> {
-        let states = self.states.iter().enumerate().filter(|_| self.share_processors());
-        states.filter_map(move |(other, state)| match *state {
+        self.states.iter().enumerate().filter_map(move |(other, state)| match *state {
             State::Waiting { since, .. } if self.home(other) == self.home(rank) => Some(self.now - since),
             _ => None,
         })
@@ -235,12 +234,15 @@ impl Play<'_> {
     /// The share of a processor that a running rank has.
     fn pace(&self, rank: usize) -> f64 {
         let Noticed::Polling(nap) = self.wires.noticed else { return 1.0 };
+        if !self.share_processors() {
+            return 1.0;
+        }
         1.0 / (1.0 + nap * self.polling_beside(rank).map(naps_per_second).sum::<f64>())
     }
 
     /// Whether that share changes before anything happens.
     fn pace_changes(&self, rank: usize) -> bool {
-        self.polling_beside(rank).any(|waited| waited * SLEEPS < LONGEST)
+        self.share_processors() && self.polling_beside(rank).any(|waited| waited * SLEEPS < LONGEST)
     }
 
     /// Takes the first rank out of the queue for which a processor is free.
