@@ -137,7 +137,11 @@ impl<C: Communicator> Session<C> {
     pub fn new(comm: C) -> Self {
         Self {
             comm,
-            own: Rank::new(),
+            own: {
+                let mut own = Rank::new();
+                own.tell_partners(false);
+                own
+            },
             scene: Scene { lights: Light::studio(), ..Scene::default() },
             parts: Vec::new(),
             next_part: 0,
@@ -300,6 +304,12 @@ impl<C: Communicator> Session<C> {
     /// The last picture; `None` on other ranks than rank 0, and before the first one.
     pub fn frame(&self) -> Option<&Frame> {
         self.report.is_some().then_some(&self.frame)
+    }
+
+    /// Whether [reports](Self::report) have counts of messages [by partner](tercio_parallel::RankReport::partners), on all ranks the
+    /// same. Not at first: they are sent to rank 0 with each picture, and of n ranks there are up to n² of them.
+    pub fn tell_partners(&mut self, tells: bool) {
+        self.own.tell_partners(tells);
     }
 
     /// What all ranks did for the last picture; `None` on other ranks than rank 0, and before the first one.

@@ -30,6 +30,8 @@ impl Render {
         let begin = self.ranks.now();
         let mut loaded = self.load(job, &display, in_parts.then_some(&mut *comm))?;
         let mut own = Rank::new();
+        // Of many ranks they are much to send with each picture.
+        own.tell_partners(self.running.verbose || job.writing.plan.stats.is_some());
         if let Some(begin) = begin {
             own.record();
             own.record_step(Step::Load, 0, Span::since(begin));
