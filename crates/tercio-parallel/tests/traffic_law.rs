@@ -250,3 +250,27 @@ fn sort_last_sends_what_each_composition_moves() {
     }
     assert!(with_pixels > 100, "{with_pixels} ranks send pixels");
 }
+
+/// Dense direct send sends 12 bytes of every pixel that a rank does not own. Compositing sends little more than that for each pixel
+/// that a rank has drawn and does not own, and far less in all where ranks have parts that lie apart.
+#[test]
+fn compositing_sends_little_beside_dense_direct_send() {
+    for model in ["builtin:teapot@20k", "builtin:gyroid@20k"] {
+        let (scene, camera) = made(model);
+        let settings = Settings::one_sample(640, 480);
+        for composition in Composition::ALL {
+            for count in [2, 4, 8, 16] {
+                let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+                let (_, report) = draw(Ranks { count, threads: 1, sharing }, &scene, &camera, &settings)
+                    .expect("a picture");
+                let sent = report.by_kind().into_iter().find(|of| of.0 == Kind::Pixels).map(|of| of.1.sent_bytes);
+                let sent = sent.expect("ranks composite") as f64;
+                let pixels: u64 = report.ranks.iter().map(|rank| rank.pixels.sent).sum();
+                let dense = 12.0 * 640.0 * 480.0 * (count as f64 - 1.0);
+                let (of_pixel, of_dense) = (sent / pixels as f64 / 12.0, sent / dense);
+                let what = format!("{model}, {count} ranks, {composition}: {of_pixel}, {of_dense}");
+                assert!(pixels > 1000 && of_pixel <= 1.2 && of_dense < 0.2, "{what}");
+            }
+        }
+    }
+}
