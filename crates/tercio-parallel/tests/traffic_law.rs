@@ -263,7 +263,8 @@ fn compositing_sends_little_beside_dense_direct_send() {
                 let sharing = Sharing { composition, ..Organisation::SortLast.into() };
                 let (_, report) = draw(Ranks { count, threads: 1, sharing }, &scene, &camera, &settings)
                     .expect("a picture");
-                let sent = report.by_kind().into_iter().find(|of| of.0 == Kind::Pixels).map(|of| of.1.sent_bytes);
+                let sent =
+                    report.by_kind().into_iter().find(|of| of.0 == Kind::Pixels).map(|of| of.1.sent_bytes);
                 let sent = sent.expect("ranks composite") as f64;
                 let pixels: u64 = report.ranks.iter().map(|rank| rank.pixels.sent).sum();
                 let dense = 12.0 * 640.0 * 480.0 * (count as f64 - 1.0);

@@ -50,6 +50,7 @@ pub mod sampling;
 pub mod screen;
 pub mod settings;
 mod shadow_map;
+mod shadow_window;
 mod shadows;
 mod simd;
 pub mod stats;

@@ -5,7 +5,8 @@ use tercio_scene::{Camera, Instance, Light};
 
 use crate::view::ObjectView;
 
-/// The shadows of a scene's directional, point and spot lights, for one camera if any of these lights moves with it.
+/// The shadows of a scene's directional, point and spot lights, for one camera if any of these lights moves with it or the maps have
+/// only what it sees.
 ///
 /// Everything casts shadows except instances whose [`opacity`](tercio_scene::Surface::opacity) is below 1, and points whose
 /// alpha is 0. A surface that is blended because of its own alpha, whatever it is, casts the shadow of an opaque one; of one
@@ -16,7 +17,7 @@ pub struct ShadowMaps {
     pub(crate) distant: Vec<ShadowMap>,
     /// Of point and spot lights, in the order of the scene.
     pub(crate) near: Vec<NearMaps>,
-    /// The lights, and the camera if one of them moves with it.
+    /// The lights, and the camera if one of them moves with it or the maps have only what it sees.
     pub(crate) made_for: (Vec<Light>, Option<Camera>),
 }
 

@@ -7,8 +7,9 @@
 //!
 //! Source of the plane: Isidoro, "Shadow mapping: GPU-based tips and techniques" (GDC 2006).
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use tercio_mesh::Aabb;
 use tercio_scene::{Camera, Instance, Light, LightSpace, Projection, Scene};
 
 use crate::error::RenderError;
@@ -16,6 +17,7 @@ use crate::frame::{Frame, Outputs};
 use crate::renderer::Renderer;
 use crate::settings::Settings;
 use crate::shadow_map::{NearMaps, ShadowMap, ShadowMaps, is_wide};
+use crate::shadow_window::Window;
 use crate::view::View;
 
 /// Angle of view of a face of a point light's cube in degrees: more than 90, so that the texels around every point are in one
@@ -26,7 +28,9 @@ impl ShadowMaps {
     /// Default texels along the edge of a shadow map.
     pub const SIZE: u32 = 2048;
 
-    /// Draws the shadow maps, each with `size` x `size` texels; those of a point light have half as many along an edge.
+    /// Draws the shadow maps, each with `size` x `size` texels; those of a point light have half as many along an edge. If the camera
+    /// sees so little of the scene that less than half of the edge of a directional light's map would do, the map has only that, and
+    /// the shadows are those of this camera and a picture of the size in `settings` alone.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -49,6 +53,7 @@ impl ShadowMaps {
             ..Scene::default()
         };
         let outputs = Outputs { depth: true, ..Outputs::NONE };
+        let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
         let settings = Settings {
             outputs,
             cull: settings.cull,
@@ -67,13 +72,16 @@ impl ShadowMaps {
                     | Light::Spot { space: LightSpace::Camera, .. }
             )
         };
-        let made_for = (scene.lights.clone(), scene.lights.iter().any(moves).then_some(*camera));
-        let mut maps = Self { distant: Vec::new(), near: Vec::new(), made_for };
+        let mut needs_camera = scene.lights.iter().any(moves);
+        let mut maps = Self { distant: Vec::new(), near: Vec::new(), made_for: (scene.lights.clone(), None) };
         for light in &scene.lights {
             match *light {
                 Light::Ambient { .. } | Light::Wide { .. } => {}
                 Light::Directional { to_light, space, .. } => {
-                    maps.distant.push(artist.distant(scene, direction(to_light, space))?);
+                    let (map, is_of_camera) =
+                        artist.distant(&scene.bounds(), direction(to_light, space), &view)?;
+                    needs_camera |= is_of_camera;
+                    maps.distant.push(map);
                 }
                 Light::Point { position, space, .. } => {
                     maps.near.push(artist.cube(place(position, space))?);
@@ -92,6 +100,7 @@ impl ShadowMaps {
                 }
             }
         }
+        maps.made_for.1 = needs_camera.then_some(*camera);
         Ok(maps)
     }
 }
@@ -109,15 +118,25 @@ impl Artist<'_> {
         (self.settings.width, self.settings.height) = (size, size);
     }
 
-    fn distant(&mut self, whole: &Scene, to_light: DVec3) -> Result<ShadowMap, RenderError> {
-        let bounds = whole.bounds();
+    /// The map of a scene with these bounds, and whether it is that of what `view` sees alone.
+    fn distant(
+        &mut self,
+        bounds: &Aabb,
+        to_light: DVec3,
+        view: &View,
+    ) -> Result<(ShadowMap, bool), RenderError> {
         let (target, radius) =
             if bounds.is_empty() { (DVec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
         let radius = if radius > 0.0 { radius } else { 1.0 };
+        let basis = towards(DVec3::ZERO, -to_light, Projection::Orthographic { height: 1.0 }).basis()?;
+        let size = self.settings.width;
+        let window = Window::of(view, bounds, [basis.right, basis.up], size);
+        let (center, half) = window.map_or((DVec2::ZERO, radius), |window| (window.center, window.half));
         // With a margin of a few texels around everything.
-        let height = 2.0 * radius * (1.0 + 8.0 / f64::from(self.settings.width.max(16)));
+        let height = 2.0 * half * (1.0 + 8.0 / f64::from(size.max(16)));
         let projection = Projection::Orthographic { height };
-        self.draw(target + to_light * (2.0 * radius), -to_light, projection)
+        let eye = target + to_light * (2.0 * radius) + basis.right * center.x + basis.up * center.y;
+        Ok((self.draw(eye, -to_light, projection)?, window.is_some()))
     }
 
     /// The maps of a light that shines in all directions.
@@ -136,8 +155,7 @@ impl Artist<'_> {
     }
 
     fn draw(&mut self, eye: DVec3, towards: DVec3, projection: Projection) -> Result<ShadowMap, RenderError> {
-        let up = if towards.y.abs() < 0.9 { DVec3::Y } else { DVec3::Z };
-        let camera = Camera { eye, target: eye + towards, up, projection, near: None, shift: [0.0; 2] };
+        let camera = self::towards(eye, towards, projection);
         let size = self.settings.width;
         let basis = camera.basis()?;
         let bounds = self.scene.bounds();
@@ -154,4 +172,14 @@ impl Artist<'_> {
             nearness: self.frame.planes.depth.par_iter().with_min_len(1 << 14).map(nearness).collect(),
         })
     }
+}
+
+/// The camera of a light that looks along a direction.
+fn towards(eye: DVec3, direction: DVec3, projection: Projection) -> Camera {
+    const FAR: f64 = (1u64 << 40) as f64;
+    let up = if direction.y.abs() < 0.9 { DVec3::Y } else { DVec3::Z };
+    // So far out, a point at a distance of 1 may be the same one.
+    let place = eye.abs().max_element();
+    let distance = if place < FAR { 1.0 } else { place * 1e-4 };
+    Camera { eye, target: eye + direction * distance, up, projection, near: None, shift: [0.0; 2] }
 }

@@ -98,8 +98,8 @@ fn still_life() -> Mesh {
 }
 
 /// The share of pixels, of those that face the light, whose shade is not that of a ray towards the light, away from the edges
-/// of shadows.
-fn wrong_pixels(mesh: &Mesh, light: Light, camera: &Camera, size: u32) -> (f64, f64) {
+/// of shadows; and the share of pixels that are. `reach` is half the edge of what the map may have.
+fn wrong_pixels(mesh: &Mesh, light: Light, camera: &Camera, size: u32, reach: f64) -> (f64, f64) {
     let mut scene = scene(mesh);
     scene.lights = vec![light];
     scene.instances[0].surface.specular = 0.0;
@@ -131,7 +131,7 @@ fn wrong_pixels(mesh: &Mesh, light: Light, camera: &Camera, size: u32) -> (f64, 
         hit.is_none_or(|hit| hit.distance > 1.0)
     };
     // Shadows end within about two texels, which are this long at the light's distance.
-    let texel = 2.0 * radius / f64::from(size) * 2.5;
+    let texel = 2.0 * reach / f64::from(size) * 2.5;
     let (mut seen, mut decided, mut wrong) = (0.0, 0.0, 0.0);
     for (i, face) in plain.planes.ids.iter().enumerate() {
         let Some(t) = corners.get(*face as usize) else { continue };
@@ -192,11 +192,51 @@ fn lights() -> [Light; 4] {
 fn shadows_are_those_of_rays() {
     let camera = perspective([1.5, 2.2, 3.4], [0.0, 0.3, 0.0], 35.0);
     for light in lights() {
-        let (wrong, decided) = wrong_pixels(&still_life(), light, &camera, 2048);
+        let mesh = still_life();
+        let (wrong, decided) = wrong_pixels(&mesh, light, &camera, 2048, mesh.bounds().radius());
         println!("{light:?}: {:.3} % wrong, {:.1} % decided", 100.0 * wrong, 100.0 * decided);
         assert!(wrong < 0.005, "{light:?}: {wrong}");
         assert!(decided > 0.8, "{light:?}: {decided}");
     }
+}
+
+/// What is small in a large scene has shadows when it is seen from near: the map then has only what is seen.
+#[test]
+fn small_things_on_a_large_floor_have_their_shadows() {
+    let mut mesh = still_life();
+    let first = mesh.positions.len() as u32;
+    let corners = [[-1000.0, -1000.0], [1000.0, -1000.0], [1000.0, 1000.0], [-1000.0, 1000.0]];
+    mesh.positions.extend(corners.map(|[x, z]| [x, -0.1, z]));
+    mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
+    let camera = perspective([1.5, 2.2, 3.4], [0.0, 0.3, 0.0], 35.0);
+    for to_light in [DVec3::new(0.6, 1.0, 0.5), DVec3::new(-0.4, 1.0, 0.2)] {
+        let light = Light::Directional { to_light, space: WORLD, color: [0.9; 3] };
+        // The finest map, a 64th of that of the whole scene.
+        let reach = mesh.bounds().radius() / 64.0;
+        let (wrong, decided) = wrong_pixels(&mesh, light, &camera, 2048, reach);
+        assert!(wrong < 0.005 && decided > 0.5, "{to_light}: {wrong} wrong, {decided} decided");
+    }
+}
+
+/// Far from the origin, numbers have no room for a distance of 1.
+#[test]
+fn shadows_far_from_the_origin() {
+    let (mesh, scale) = (still_life(), 1e18f64);
+    let mut scene = scene(&mesh);
+    scene.instances[0].world_from_object = glam::DAffine3::from_scale(DVec3::splat(scale));
+    scene.lights = vec![lights()[0]];
+    let mut camera = perspective([1.5, 2.2, 3.4], [0.0, 0.3, 0.0], 35.0);
+    (camera.eye, camera.target) = (camera.eye * scale, camera.target * scale);
+    let outputs = Outputs { linear: true, ..Outputs::NONE };
+    let large = shadowed(&scene, &camera, Settings { outputs, ..Settings::one_sample(120, 90) }, 512);
+    let large = draw(&scene, &camera, &large);
+    scene.instances[0].world_from_object = glam::DAffine3::IDENTITY;
+    let camera = perspective([1.5, 2.2, 3.4], [0.0, 0.3, 0.0], 35.0);
+    let small = shadowed(&scene, &camera, Settings { outputs, ..Settings::one_sample(120, 90) }, 512);
+    let small = draw(&scene, &camera, &small);
+    let differ = |(a, b): &(&[f32; 4], &[f32; 4])| (0..3).any(|k| (a[k] - b[k]).abs() > 0.05);
+    let differing = large.planes.linear.iter().zip(&small.planes.linear).filter(differ).count();
+    assert!(differing < 120 * 90 / 200, "{differing} pixels differ");
 }
 
 /// A curved scan alone does not shadow what faces the light, whatever its size.
