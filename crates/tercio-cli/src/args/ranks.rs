@@ -394,7 +394,7 @@ mod tests {
             ("--organisation auto --group 11", "--group 11: there are 10 ranks"),
             ("--organisation auto --radix 3", "--radix is for"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
-            ("--radix 1", "1 is not in 2..=256"),
+            ("--radix 1", "1 is not in 2..=1024"),
             ("--organisation sort-twice --group 11", "--group 11: there are 10 ranks"),
             ("--timeout 5", "--timeout is for processes"),
             ("--parts", "--parts is for processes"),
