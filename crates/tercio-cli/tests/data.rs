@@ -74,7 +74,9 @@ fn what_is_wrong_is_told_with_what_there_is() {
     run("--color-by @normal --bands 3").failed(1, &["are colours"]);
     run("--color-by part --isolines 3").failed(1, &["isolines need values at vertices"]);
     run("--colormap viridis").failed(2, &["--color-by"]);
-    run("--color-by quality --colormap 0,black,1,whyte").failed(2, &["0,black,1,whyte", "0,black,1,white"]);
+    run("--color-by quality --colormap 0,black,1,whyte")
+        .failed(2, &["0,black,1,whyte", "\"whyte\" is no colour"]);
+    run("--color-by quality --colormap 0.0,black,0.5").failed(2, &["the value 0.5 has no colour"]);
     run("--color-by quality --colormap virridis")
         .failed(2, &["no colour map \"virridis\"", "viridis, magma", "Set1"]);
     run("--color-by quality --range 3,1").failed(2, &["MIN below MAX"]);
@@ -159,6 +161,35 @@ fn numbers_of_64_bits_keep_their_differences() {
     assert!(draw("d.ply", "id --categories=16777218=b") == draw("a.ply", "quality --categories=4=b"));
     place.run("prepare d.ply -o d.tercio -q").ok_silently();
     assert!(draw("d.ply", "q") == draw("d.tercio", "q"));
+}
+
+/// A colour means the same on all models of a picture that are coloured alike, and one bar says what.
+#[test]
+fn models_of_one_picture_have_one_scale() {
+    let place = Place::new();
+    for (name, shift, values) in [("a.ply", 0.0, [1.0, 2.0, 3.0]), ("b.ply", 2.0, [7.0, 10.0, 11.0])] {
+        let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].iter().zip(values);
+        let points: String = points.map(|([x, y], v)| format!("{} {y} 0 {v}\n", x + shift)).collect();
+        let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                    property float p\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+        fs::write(place.path(name), format!("{head}{points}3 0 1 2\n")).unwrap();
+    }
+    let draw = |options: &str| {
+        let command = format!(
+            "render a.ply b.ply --together -o p.png --size 300x200 --stats s.json -q --color-by p {options}"
+        );
+        place.run(&command).ok_silently();
+        let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
+        let drawn = stats["look"]["annotation"]["drawn"].as_array().unwrap().clone();
+        (place.read("p.png"), drawn.iter().filter(|what| what.to_string().contains("bar")).count())
+    };
+    assert!(draw("") == draw("--range 1,11") && draw("").1 == 1);
+    assert!(draw("--range-over first") == draw("--range 1,3"));
+    let of_categories = draw("--categories");
+    assert_eq!(of_categories.1, 1);
+    let each = draw("--range-over each");
+    assert_eq!(each.1, 2);
+    assert!(each.0 != draw("").0 && of_categories.0 != draw("").0);
 }
 
 #[test]

@@ -125,7 +125,7 @@ fn predictions_have_no_steps_between_numbers_of_ranks() {
     }
     let text = predict("sort-first", 4096, "");
     assert!(
-        text.text().contains("\nterms that grow with the number of ranks: messages\n"),
+        text.text().contains("\nparts that grow with the number of ranks: messages\n"),
         "{}",
         text.text()
     );

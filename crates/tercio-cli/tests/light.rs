@@ -59,6 +59,27 @@ fn points_are_light_where_an_effect_darkens_them() {
     assert_eq!(brightest("--edl --color #0a0000"), Some(10));
 }
 
+/// Points and lines have the colour that is asked for in place of those of the file, too.
+#[test]
+fn no_mesh_colors_holds_for_points_and_lines() {
+    let place = Place::new();
+    let head = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\n";
+    for (name, elements) in [("line", "l 1 2 3\n"), ("points", "p 1 2 3\n"), ("mesh", "f 1 2 3\n")] {
+        std::fs::write(place.path("m.obj"), format!("{head}{elements}")).unwrap();
+        let colors = |options: &str| {
+            let mode = if name == "mesh" { "--mode points" } else { "" };
+            let command =
+                format!("render m.obj -o m.ppm --size 60x50 --aa 1 --background black -q {mode} {options}");
+            place.run(&command).ok_silently();
+            let pixels = place.read("m.ppm").split_off("P6 60 50 255 ".len());
+            let drawn = |p: &&[u8]| **p != [0; 3];
+            pixels.chunks(3).filter(drawn).map(<[u8]>::to_vec).collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(colors(""), [vec![255, 0, 0]].into(), "{name}");
+        assert_eq!(colors("--no-mesh-colors --color #0000ff"), [vec![0, 0, 255]].into(), "{name}");
+    }
+}
+
 /// One side of a sphere is lit: the one that the bright half of the panorama is on, as it turns.
 #[test]
 fn environments_turn() {

@@ -363,8 +363,8 @@ impl Communicator for MpiComm {
 
     fn buffer(&mut self, _: usize) -> Vec<u8> {
         // Messages of the previous frame have arrived by now.
-        if self.spare.is_empty() {
-            // An error is reported again when the message itself is sent.
+        if self.spare.is_empty() && self.outgoing.len() >= self.look_at {
+            // An error is reported again when messages are looked through the next time.
             self.forget_sent().ok();
         }
         self.spare.take(0)

@@ -152,7 +152,7 @@ pub struct RankReport {
     pub traffic: Traffic,
     /// The same by the other rank and by what messages are for, with those of agreement, barriers and the report itself,
     /// which [`Self::traffic`] does not count; in the order of ranks, then of kinds. Empty where only earlier frames than the
-    /// last one are meant, and for one rank. The farewell at the end of a job, an empty message to each other process, is not
+    /// last one are meant, where [`Rank::tell_partners`](crate::organisation::Rank::tell_partners) is off, and for one rank. The farewell at the end of a job, an empty message to each other process, is not
     /// in it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub partners: Vec<PartnerTraffic>,
@@ -232,7 +232,7 @@ impl FrameReport {
     }
 
     /// Messages that were sent, and their bytes, by what they are for, in the order of a frame; without kinds that were not
-    /// sent.
+    /// sent. Empty without [`RankReport::partners`].
     pub fn by_kind(&self) -> Vec<(Kind, Traffic)> {
         let mut all = Kind::ALL.map(|kind| (kind, Traffic::default()));
         for with in self.ranks.iter().flat_map(|rank| &rank.partners) {

@@ -252,7 +252,7 @@ fn sort_last_sends_what_each_composition_moves() {
 }
 
 /// Dense direct send sends 12 bytes of every pixel that a rank does not own. Compositing sends little more than that for each pixel
-/// that a rank has drawn and does not own, and far less in all where ranks have parts that lie apart.
+/// that it sends, and far less in all where ranks have parts that lie apart.
 #[test]
 fn compositing_sends_little_beside_dense_direct_send() {
     for model in ["builtin:teapot@20k", "builtin:gyroid@20k"] {

@@ -270,9 +270,14 @@ pub(crate) fn shadows_on(
     settings: &Settings,
 ) -> Result<Vec<ObjectShadows>, RenderError> {
     let Some(maps) = &settings.shadows else { return Ok(Vec::new()) };
-    let (made_for, moves_with) = &maps.made_for;
-    if *made_for != scene.lights || moves_with.is_some_and(|made_for| made_for != *camera) {
-        let (range, value) = ("those of the scene's lights and its camera", "those of others");
+    let made_for = &maps.made_for;
+    let picture = (settings.width, settings.height);
+    if made_for.lights != scene.lights
+        || made_for.camera.is_some_and(|of| of != *camera)
+        || made_for.picture.is_some_and(|of| of != picture)
+    {
+        let (range, value) =
+            ("those of the scene's lights, its camera and the picture's size", "those of others");
         return Err(RenderError::Setting { what: "shadows", range: range.into(), value: value.into() });
     }
     let instances = scene.instances.iter().zip(objects);

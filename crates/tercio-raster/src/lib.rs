@@ -68,7 +68,7 @@ pub use resolve::{color8, color16};
 pub use sampling::{Filter, SamplePattern, SampleShading, Sampling};
 pub use screen::TileSet;
 pub use settings::{Binning, Cull, LastStage, Part, Settings, Shading, SimdLevel, Sorting, TextureFilter};
-pub use shadow_map::ShadowMaps;
+pub use shadow_map::{ShadowArea, ShadowMaps};
 #[doc(hidden)]
 pub use simd::dispatch as dispatching;
 pub use stats::FrameStats;

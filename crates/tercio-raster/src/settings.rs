@@ -178,8 +178,8 @@ pub struct Settings {
     pub sampling: Sampling,
     /// How textures are sampled.
     pub texture_filter: TextureFilter,
-    /// The shadows of the scene's lights, made by [`ShadowMaps::draw`] for the same scene, and for the same camera if a light
-    /// moves with it. With shadows, surfaces are shaded at every pixel as with [`Shading::Phong`] also where
+    /// The shadows of the scene's lights, made by [`ShadowMaps::draw`] for the same scene; for the same camera, if a light
+    /// moves with it; and for the same camera and picture, if they have only what it shows ([`ShadowArea`](crate::ShadowArea)). With shadows, surfaces are shaded at every pixel as with [`Shading::Phong`] also where
     /// [`Shading::Gouraud`] is requested.
     pub shadows: Option<Arc<ShadowMaps>>,
     /// Exposure and tone mapping.

@@ -6,7 +6,7 @@ use tercio_scene::{Camera, Instance, Light};
 use crate::view::ObjectView;
 
 /// The shadows of a scene's directional, point and spot lights, for one camera if any of these lights moves with it or the maps have
-/// only what it sees.
+/// only what it sees ([`ShadowArea`]).
 ///
 /// Everything casts shadows except instances whose [`opacity`](tercio_scene::Surface::opacity) is below 1, and points whose
 /// alpha is 0. A surface that is blended because of its own alpha, whatever it is, casts the shadow of an opaque one; of one
@@ -17,8 +17,30 @@ pub struct ShadowMaps {
     pub(crate) distant: Vec<ShadowMap>,
     /// Of point and spot lights, in the order of the scene.
     pub(crate) near: Vec<NearMaps>,
-    /// The lights, and the camera if one of them moves with it or the maps have only what it sees.
-    pub(crate) made_for: (Vec<Light>, Option<Camera>),
+    /// What they are the shadows of.
+    pub(crate) made_for: MadeFor,
+}
+
+/// What shadow maps of directional lights have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ShadowArea {
+    /// All of the scene. The maps are those of any camera if no light moves with it.
+    #[default]
+    Scene,
+    /// What of the scene's bounds the picture can show, if that is less than half as wide: then texels are up to 64 times as small, but
+    /// the maps are those of this camera and size of the picture alone. What is drawn beside the bounds, such as tubes that are
+    /// made for a camera, is lit.
+    Picture,
+}
+
+/// What shadow maps are for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MadeFor {
+    pub lights: Vec<Light>,
+    /// If a light moves with it, or a map has only what it sees.
+    pub camera: Option<Camera>,
+    /// Width and height in pixels of a picture, if a map has only what that shows.
+    pub picture: Option<(u32, u32)>,
 }
 
 /// Is a spot light's cone, given by half of its opening in radians, so wide that its shadow maps are those of a point light?

@@ -6,9 +6,7 @@ use tercio_mesh::Aabb;
 use crate::conventions::SUBPIXELS;
 use crate::view::View;
 
-/// Twice the largest number of windows that fit beside each other into the map of a whole scene whose maps have one texel along an edge.
-/// Then a texel is at least 2^-16 of the scene's radius, and the distances in the map, `f32` of up to four radii, have steps of
-/// a sixty-fourth of that.
+/// Texels are at least two 2^17ths of the scene's radius: `f32` distances of up to four radii then have steps of a 64th of a texel.
 const FINEST: f64 = (1u64 << 17) as f64;
 
 /// A half-space: points whose product with the normal is at least a number.
@@ -33,7 +31,8 @@ pub(crate) struct Window {
 
 impl Window {
     /// The smallest square that has all that `view` sees of a scene with these bounds, of those whose edge is a power of two of that of
-    /// the whole scene, and whose centre is a corner of texels: so shadows do not change as the camera moves a little.
+    /// the whole scene, and whose centre is a corner of texels: so shadows do not change as the camera moves a little, except where
+    /// that takes it to the next size.
     /// `None` if the half of the whole map would not do, or the view sees nothing.
     pub fn of(view: &View, bounds: &Aabb, axes: [DVec3; 2], size: u32) -> Option<Self> {
         let radius = bounds.radius();
@@ -46,7 +45,7 @@ impl Window {
                 (low.min(p), high.max(p))
             });
         let needed = (high - low).max_element() * 0.5;
-        if seen.is_empty() || !needed.is_finite() || !(radius > 0.0) {
+        if seen.is_empty() || !needed.is_finite() || !radius.is_normal() {
             return None;
         }
         let finest = radius * f64::from(size) / FINEST;

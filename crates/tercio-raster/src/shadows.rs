@@ -16,7 +16,7 @@ use crate::error::RenderError;
 use crate::frame::{Frame, Outputs};
 use crate::renderer::Renderer;
 use crate::settings::Settings;
-use crate::shadow_map::{NearMaps, ShadowMap, ShadowMaps, is_wide};
+use crate::shadow_map::{MadeFor, NearMaps, ShadowArea, ShadowMap, ShadowMaps, is_wide};
 use crate::shadow_window::Window;
 use crate::view::View;
 
@@ -28,13 +28,17 @@ impl ShadowMaps {
     /// Default texels along the edge of a shadow map.
     pub const SIZE: u32 = 2048;
 
-    /// Draws the shadow maps, each with `size` x `size` texels; those of a point light have half as many along an edge. If the camera
-    /// sees so little of the scene that less than half of the edge of a directional light's map would do, the map has only that, and
-    /// the shadows are those of this camera and a picture of the size in `settings` alone.
+    /// Draws the shadow maps, each with `size` x `size` texels; those of a point light have half as many along an edge. `area` is what
+    /// those of directional lights have.
     ///
     /// # Errors
     /// As [`Renderer::render`].
-    pub fn draw(scene: &Scene, camera: &Camera, settings: &Settings, size: u32) -> Result<Self, RenderError> {
+    pub fn draw(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+        (size, area): (u32, ShadowArea),
+    ) -> Result<Self, RenderError> {
         let basis = camera.basis()?;
         let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
         let direction = |v: DVec3, space| match space {
@@ -53,7 +57,11 @@ impl ShadowMaps {
             ..Scene::default()
         };
         let outputs = Outputs { depth: true, ..Outputs::NONE };
-        let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
+        let picture = (settings.width, settings.height);
+        let view = match area {
+            ShadowArea::Scene => None,
+            ShadowArea::Picture => Some(View::new(camera, &scene.bounds(), picture.0, picture.1)?),
+        };
         let settings = Settings {
             outputs,
             cull: settings.cull,
@@ -72,15 +80,15 @@ impl ShadowMaps {
                     | Light::Spot { space: LightSpace::Camera, .. }
             )
         };
-        let mut needs_camera = scene.lights.iter().any(moves);
-        let mut maps = Self { distant: Vec::new(), near: Vec::new(), made_for: (scene.lights.clone(), None) };
+        let (needs_camera, mut needs_picture) = (scene.lights.iter().any(moves), false);
+        let mut maps = Self { distant: Vec::new(), near: Vec::new(), made_for: MadeFor::default() };
         for light in &scene.lights {
             match *light {
                 Light::Ambient { .. } | Light::Wide { .. } => {}
                 Light::Directional { to_light, space, .. } => {
-                    let (map, is_of_camera) =
-                        artist.distant(&scene.bounds(), direction(to_light, space), &view)?;
-                    needs_camera |= is_of_camera;
+                    let to_light = direction(to_light, space);
+                    let (map, is_window) = artist.distant(&scene.bounds(), to_light, view.as_ref())?;
+                    needs_picture |= is_window;
                     maps.distant.push(map);
                 }
                 Light::Point { position, space, .. } => {
@@ -100,7 +108,11 @@ impl ShadowMaps {
                 }
             }
         }
-        maps.made_for.1 = needs_camera.then_some(*camera);
+        maps.made_for = MadeFor {
+            lights: scene.lights.clone(),
+            camera: (needs_camera || needs_picture).then_some(*camera),
+            picture: needs_picture.then_some(picture),
+        };
         Ok(maps)
     }
 }
@@ -118,24 +130,25 @@ impl Artist<'_> {
         (self.settings.width, self.settings.height) = (size, size);
     }
 
-    /// The map of a scene with these bounds, and whether it is that of what `view` sees alone.
+    /// The map of a scene with these bounds, and whether it has no more than what `view` sees.
     fn distant(
         &mut self,
         bounds: &Aabb,
         to_light: DVec3,
-        view: &View,
+        view: Option<&View>,
     ) -> Result<(ShadowMap, bool), RenderError> {
         let (target, radius) =
             if bounds.is_empty() { (DVec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
         let radius = if radius > 0.0 { radius } else { 1.0 };
-        let basis = towards(DVec3::ZERO, -to_light, Projection::Orthographic { height: 1.0 }).basis()?;
         let size = self.settings.width;
-        let window = Window::of(view, bounds, [basis.right, basis.up], size);
+        let eye = target + to_light * (2.0 * radius);
+        let basis = towards(eye, -to_light, Projection::Orthographic { height: 1.0 }).basis()?;
+        let window = view.and_then(|view| Window::of(view, bounds, [basis.right, basis.up], size));
         let (center, half) = window.map_or((DVec2::ZERO, radius), |window| (window.center, window.half));
         // With a margin of a few texels around everything.
         let height = 2.0 * half * (1.0 + 8.0 / f64::from(size.max(16)));
         let projection = Projection::Orthographic { height };
-        let eye = target + to_light * (2.0 * radius) + basis.right * center.x + basis.up * center.y;
+        let eye = eye + basis.right * center.x + basis.up * center.y;
         Ok((self.draw(eye, -to_light, projection)?, window.is_some()))
     }
 
@@ -176,9 +189,9 @@ impl Artist<'_> {
 
 /// The camera of a light that looks along a direction.
 fn towards(eye: DVec3, direction: DVec3, projection: Projection) -> Camera {
-    const FAR: f64 = (1u64 << 40) as f64;
+    const FAR: f64 = (1u64 << 20) as f64;
     let up = if direction.y.abs() < 0.9 { DVec3::Y } else { DVec3::Z };
-    // So far out, a point at a distance of 1 may be the same one.
+    // So far out, the direction to a point at a distance of 1 is rounded by more than a texel, or the point is the same one.
     let place = eye.abs().max_element();
     let distance = if place < FAR { 1.0 } else { place * 1e-4 };
     Camera { eye, target: eye + direction * distance, up, projection, near: None, shift: [0.0; 2] }

@@ -7,7 +7,9 @@ use std::sync::Arc;
 use common::*;
 use glam::DVec3;
 use tercio_mesh::Mesh;
-use tercio_raster::{Outputs, RenderError, Renderer, SamplePattern, Sampling, Settings, Shading, ShadowMaps};
+use tercio_raster::{
+    Outputs, RenderError, Renderer, SamplePattern, Sampling, Settings, Shading, ShadowArea, ShadowMaps,
+};
 use tercio_scene::{Camera, Light, LightSpace, Scene};
 use tercio_testkit::ray_caster::RayCaster;
 
@@ -33,7 +35,7 @@ fn every_light() -> Vec<Light> {
 
 /// With the shadows of the scene's lights.
 fn shadowed(scene: &Scene, camera: &Camera, settings: Settings, size: u32) -> Settings {
-    let shadows = ShadowMaps::draw(scene, camera, &settings, size).expect("shadows");
+    let shadows = ShadowMaps::draw(scene, camera, &settings, (size, ShadowArea::Picture)).expect("shadows");
     Settings { shadows: Some(Arc::new(shadows)), ..settings }
 }
 
@@ -218,6 +220,38 @@ fn small_things_on_a_large_floor_have_their_shadows() {
     }
 }
 
+/// Where coordinates are so large that a direction between neighbouring ones is rounded, the map is where the window is: below a roof
+/// all is dark.
+#[test]
+fn windows_far_from_the_origin_have_all_that_is_seen() {
+    let sheet = |y: f32, reach: f32| {
+        [[-reach, -reach], [reach, -reach], [reach, reach], [-reach, reach]].map(|[x, z]| [x, y, z])
+    };
+    let mesh = Mesh {
+        positions: [sheet(0.0, 1.0), sheet(0.05, 1.0)].concat(),
+        triangles: vec![[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6]],
+        ..Mesh::default()
+    };
+    let size = 1e9;
+    for place in [0.0, 1e11, 3e11, 1e12, 1.2e12] {
+        let mut scene = scene(&mesh);
+        let at = DVec3::new(place, 0.0, place);
+        scene.instances[0].world_from_object =
+            glam::DAffine3::from_scale_rotation_translation(DVec3::splat(size), glam::DQuat::IDENTITY, at);
+        scene.lights =
+            vec![Light::Directional { to_light: DVec3::new(0.1, 1.0, 0.05), space: WORLD, color: [1.0; 3] }];
+        // Between floor and roof, downwards, where a 64th of the scene is seen.
+        let eye = at + DVec3::new(0.3, 0.045, 0.2) * size;
+        let (target, up) = (eye - DVec3::Y * size, DVec3::Z);
+        let projection = tercio_scene::Projection::Orthographic { height: 0.03 * size };
+        let camera = Camera { eye, target, up, projection, near: None, shift: [0.0; 2] };
+        let outputs = Outputs { linear: true, ..Outputs::NONE };
+        let dark = shadowed(&scene, &camera, Settings { outputs, ..Settings::one_sample(400, 400) }, 2048);
+        let dark = draw(&scene, &camera, &dark);
+        assert!(dark.planes.linear.iter().all(|light| light[3] == 1.0 && light[1] < 1e-3), "at {place}");
+    }
+}
+
 /// Far from the origin, numbers have no room for a distance of 1.
 #[test]
 fn shadows_far_from_the_origin() {
@@ -324,4 +358,28 @@ fn shadows_of_other_lights_are_refused() {
     scene.lights.pop();
     let error = Renderer::new().render(&scene, &camera, &settings).unwrap_err();
     assert!(matches!(error, RenderError::Setting { what: "shadows", .. }), "{error}");
+}
+
+/// Maps of what a picture shows are those of no other picture; maps of the scene are.
+#[test]
+fn maps_of_a_picture_are_for_it_alone() {
+    let mesh = scaled(&sphere(20), 100.0);
+    let mut scene = scene(&mesh);
+    // From behind the camera, so that a narrow view is narrow for the light, too.
+    scene.lights =
+        vec![Light::Directional { to_light: DVec3::new(0.1, 0.2, 1.0), space: WORLD, color: [1.0; 3] }];
+    let near = perspective([0.0, 0.0, 110.0], [0.0; 3], 5.0);
+    let other = perspective([0.0, 1.0, 110.0], [0.0; 3], 5.0);
+    for (area, is_refused) in [(ShadowArea::Picture, true), (ShadowArea::Scene, false)] {
+        let settings = Settings::one_sample(40, 30);
+        let maps = Arc::new(ShadowMaps::draw(&scene, &near, &settings, (128, area)).expect("shadows"));
+        let with =
+            |width, height| Settings { shadows: Some(maps.clone()), ..Settings::one_sample(width, height) };
+        assert!(Renderer::new().render(&scene, &near, &with(40, 30)).is_ok());
+        for (camera, settings) in [(&other, with(40, 30)), (&near, with(80, 30))] {
+            let result = Renderer::new().render(&scene, camera, &settings);
+            let is_error = matches!(result, Err(RenderError::Setting { what: "shadows", .. }));
+            assert_eq!(is_error, is_refused, "{area:?}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 use tercio_mesh::{Aabb, Mesh};
 use tercio_raster::frame::{NO_PRIMITIVE, Planes};
 use tercio_raster::view::View;
-use tercio_raster::{Cull, Frame, Outputs, RenderError, Renderer, Settings, Shading, ShadowMaps};
+use tercio_raster::{Cull, Frame, Outputs, RenderError, Renderer, Settings, Shading, ShadowArea, ShadowMaps};
 use tercio_scene::camera::CameraError;
 use tercio_scene::{Background, Camera, Light, LightSpace, Scene, Stereo};
 use truth::Truth;
@@ -57,7 +57,8 @@ fn layers_lights_and_shadows_with_a_shifted_camera() {
         for shading in [Shading::Phong, Shading::Physical] {
             let mut settings = Settings { outputs: Outputs::ALL, shading, ..Settings::new(50, 38) };
             check_all(&mesh, &plain, &camera, &settings, &format!("{shading:?}"));
-            let maps = ShadowMaps::draw(&plain, &camera, &settings, 64).expect("shadow maps");
+            let maps =
+                ShadowMaps::draw(&plain, &camera, &settings, (64, ShadowArea::Picture)).expect("shadow maps");
             settings.shadows = Some(Arc::new(maps));
             check_all(&mesh, &plain, &camera, &settings, &format!("{shading:?}, shadows"));
         }

@@ -51,7 +51,7 @@ use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{
     Communicator, FrameReport, Organisation, ParallelError, Sharing, between_processes, parts,
 };
-use tercio_raster::{Frame, RenderError, Settings, ShadowMaps};
+use tercio_raster::{Frame, RenderError, Settings, ShadowArea, ShadowMaps};
 use tercio_scene::light::Light;
 use tercio_scene::{Background, Camera, Environment, Framing, Instance, Scene, Surface};
 
@@ -135,13 +135,11 @@ impl<C: Communicator> Session<C> {
     /// A session of all ranks of a communicator, without parts, under [`Light::studio`], on the default background. Ranks share a
     /// picture by sort-last: each draws its parts where they are.
     pub fn new(comm: C) -> Self {
+        let mut own = Rank::new();
+        own.tell_partners(false);
         Self {
             comm,
-            own: {
-                let mut own = Rank::new();
-                own.tell_partners(false);
-                own
-            },
+            own,
             scene: Scene { lights: Light::studio(), ..Scene::default() },
             parts: Vec::new(),
             next_part: 0,
@@ -273,7 +271,8 @@ impl<C: Communicator> Session<C> {
         self.timed(Function::ShadowMaps, None, |session| {
             settings.check()?;
             camera.basis().map_err(RenderError::from)?;
-            Ok(parts::shadow_maps(&mut session.comm, &session.scene, camera, settings, size)?)
+            let of = (size, ShadowArea::Scene);
+            Ok(parts::shadow_maps(&mut session.comm, &session.scene, camera, settings, of)?)
         })
     }
 
@@ -312,7 +311,8 @@ impl<C: Communicator> Session<C> {
         self.own.tell_partners(tells);
     }
 
-    /// What all ranks did for the last picture; `None` on other ranks than rank 0, and before the first one.
+    /// What all ranks did for the last picture; `None` on other ranks than rank 0, and before the first one. Messages by what they are
+    /// for are only in it after [`Self::tell_partners`].
     pub fn report(&self) -> Option<&FrameReport> {
         self.report.as_ref()
     }

@@ -22,6 +22,33 @@ pub fn color_list(text: &str) -> Option<ColorMap> {
     ColorMap::from_points(text, &points).ok()
 }
 
+/// Why a text that should be a list is none.
+pub fn what_is_wrong(text: &str) -> String {
+    let words = values::between_commas(text);
+    let is_number = |word: &&str| values::number(word).is_ok();
+    if words.iter().all(is_number) && words.len() != 2 {
+        return match words.len() % 4 {
+            0 => "values have to ascend, and red, green and blue are 0 to 1".into(),
+            _ => format!("{} numbers are not a value, red, green and blue each", words.len()),
+        };
+    }
+    let (points, rest) = words.as_chunks();
+    for [at, color] in points {
+        if !is_number(at) {
+            return format!("\"{at}\" is no number");
+        }
+        match values::color(color) {
+            Err(_) => return format!("\"{color}\" is no colour"),
+            Ok([.., alpha]) if alpha < 255 => return format!("\"{color}\" is not opaque"),
+            Ok(_) => {}
+        }
+    }
+    match rest.first() {
+        Some(at) => format!("the value {at} has no colour"),
+        None => "values have to ascend".into(),
+    }
+}
+
 type Points = Vec<(f64, [f64; 3])>;
 
 fn of_numbers(words: &[&str]) -> Option<Points> {
@@ -30,7 +57,8 @@ fn of_numbers(words: &[&str]) -> Option<Points> {
         let [r, g, b] = color.map(|word| values::share(word).ok());
         Some((values::number(at).ok()?, [r?, g?, b?]))
     };
-    rest.is_empty().then(|| points.iter().map(point).collect())?
+    // A single point is no map, but may be two colours of three digits.
+    (rest.is_empty() && points.len() > 1).then(|| points.iter().map(point).collect())?
 }
 
 fn of_colors(words: &[&str]) -> Option<Points> {
@@ -56,11 +84,29 @@ mod tests {
         // Beyond the ends of a list.
         assert_eq!(at("0.25,red,0.75,lime", 0.1), Some([1.0, 0.0, 0.0]));
         assert_eq!(at("0.25,red,0.75,lime", 0.9), Some([0.0, 1.0, 0.0]));
+        assert_eq!(at("0,000,1,fff", 0.5), Some([0.5; 3]));
+        assert_eq!(at("0,000,1,001", 1.0), Some([0.0, 0.0, 17.0 / 255.0]));
         assert_eq!(at("-10,black,30,white", 0.5), Some([0.5; 3]));
         for bad in
             ["", "viridis", "0,black,1", "1,black,0,white", "0,blakc,1,white", "0,2,0,0,1,1,1,1", "a,b"]
         {
             assert!(color_list(bad).is_none(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for (text, expected) in [
+            ("0,black,1,whyte", "\"whyte\" is no colour"),
+            ("0.5,black,0.2,white", "values have to ascend"),
+            ("0,black,0.5", "the value 0.5 has no colour"),
+            ("a,black,1,white", "\"a\" is no number"),
+            ("0,0,0,0,1,1,1", "7 numbers are not a value, red, green and blue each"),
+            ("0,2,0,0,1,1,1,1", "values have to ascend, and red, green and blue are 0 to 1"),
+            ("0,#ff000080,1,white", "\"#ff000080\" is not opaque"),
+        ] {
+            assert!(color_list(text).is_none());
+            assert_eq!(what_is_wrong(text), expected, "{text}");
         }
     }
 }

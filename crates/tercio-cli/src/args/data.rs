@@ -17,7 +17,7 @@ use tercio::parallel::Communicator;
 use tercio::scene::color_map::{ColorMap, Scale};
 use tercio::scene::{DataColors, DataReader, Instance, SurfaceData};
 
-use super::color_list::color_list;
+use super::color_list::{color_list, what_is_wrong};
 use super::values;
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
@@ -81,7 +81,8 @@ pub struct DataArgs {
     #[arg(conflicts_with_all = ["range", "log", "symlog", "bands", "isolines", "below_color", "above_color", "opacity_map"])]
     categories: Option<Labels>,
     /// Whose values the range of a series of models covers, where it follows from the data: all of them are read before the first
-    /// one is drawn, so that a colour means the same in all pictures; or only the first one; or each has its own.
+    /// one is drawn, so that a colour means the same in all pictures; or only the first one; or each has its own. Likewise of
+    /// the models of one picture (--together) that are coloured alike.
     #[arg(long, value_name = "STEPS", value_enum, default_value_t = RangeOver::All, requires = "color_by")]
     range_over: RangeOver,
     /// Of the series that the model belongs to.
@@ -218,7 +219,8 @@ fn known(name: &str) -> Option<ColorMap> {
 
 /// The file that the name of a colour map means, if it is not a known one.
 fn file(name: &str) -> Option<&Path> {
-    known(name).is_none().then(|| Path::new(name)).filter(|path| path.exists() || name.contains(['/', '.']))
+    let looks_like_one = name.contains(['/', '.']) && !name.contains(',');
+    known(name).is_none().then(|| Path::new(name)).filter(|path| path.exists() || looks_like_one)
 }
 
 impl DataArgs {
@@ -234,14 +236,15 @@ impl DataArgs {
     pub fn check(&self) -> Result<(), UsageError> {
         match &self.colormap {
             Some(name) if known(name).is_none() && file(name).is_none() => {
-                let names: Vec<&str> = ColorMap::names().collect();
-                let known = names.join(", ");
                 if name.contains(',') {
                     let text = format!(
-                        "\"{name}\" is no list of ascending values and their colours, such as 0,black,1,white; there are also {known}"
+                        "\"{name}\" is no list of ascending values and their colours, such as 0,black,1,white: {}",
+                        what_is_wrong(name)
                     );
                     return Err(UsageError(text));
                 }
+                let names: Vec<&str> = ColorMap::names().collect();
+                let known = names.join(", ");
                 let text = format!(
                     "there is no colour map \"{name}\", and no file of that name; there are {known}; _r reverses one"
                 );
@@ -381,6 +384,11 @@ impl DataArgs {
             Err(error) => return Err(error.into()),
         }
         Ok(survey)
+    }
+
+    /// Whether a series is known that the model belongs to.
+    pub fn is_of_series(&self) -> bool {
+        self.of_series.is_some()
     }
 
     /// These options for a model of a series behind the first, whose doubts are not repeated.

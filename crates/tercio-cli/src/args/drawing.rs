@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::raster::{
-    Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
+    Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowArea, ShadowMaps, SimdLevel, Sorting,
 };
 use tercio::scene::{AlphaMode, Background, Camera, Instance, Light, Scene, Surface};
 
@@ -112,7 +112,7 @@ pub struct DrawingArgs {
     /// Opacity of the model, 0 to 1.
     ///
     /// What it covers shines through, in linear light and in the right order, however many layers there are. The alpha of the
-    /// model's colours and materials is drawn without this option, too.
+    /// model's colours and materials is drawn without this option, too, unless --color-by takes their place.
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::opacity)]
     opacity: Option<f64>,
     /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.
@@ -273,8 +273,10 @@ impl DrawingArgs {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
+        area: ShadowArea,
     ) -> Result<Option<Arc<ShadowMaps>>, RenderError> {
-        self.shadows.map(|size| ShadowMaps::draw(scene, camera, settings, size).map(Arc::new)).transpose()
+        let draw = |size| ShadowMaps::draw(scene, camera, settings, (size, area)).map(Arc::new);
+        self.shadows.map(draw).transpose()
     }
 
     /// The shadow maps of a scene of which each rank has a part; all ranks have to call this.
@@ -287,8 +289,9 @@ impl DrawingArgs {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
+        area: ShadowArea,
     ) -> Result<Option<Arc<ShadowMaps>>, ParallelError> {
-        let draw = |size| parts::shadow_maps(comm, scene, camera, settings, size).map(Arc::new);
+        let draw = |size| parts::shadow_maps(comm, scene, camera, settings, (size, area)).map(Arc::new);
         self.shadows.map(draw).transpose()
     }
 

@@ -93,7 +93,7 @@ impl TextureArgs {
         report: &LoadReport,
         limits: &TextureLimits,
     ) -> Option<TextureReport> {
-        if self.no_textures || !scene.instances[number].uses_mesh_colors() {
+        if !scene.instances[number].uses_mesh_colors() {
             return None;
         }
         let alpha_mode = match self.texture_alpha {
@@ -107,7 +107,9 @@ impl TextureArgs {
             alpha_mode,
             specular: limits.specular,
             is_unlit: limits.is_unlit,
+            is_plain: self.no_textures,
         };
-        Some(options.load(scene, number, &texture_folders(model, report)))
+        let report = options.load(scene, number, &texture_folders(model, report));
+        (!self.no_textures).then_some(report)
     }
 }

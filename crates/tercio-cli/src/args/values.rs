@@ -132,7 +132,9 @@ fn shares(text: &str) -> Option<[u8; 4]> {
 pub fn color(text: &str) -> Result<[u8; 4], String> {
     let css = || csscolorparser::parse(text).ok().map(|color| color.to_rgba8());
     hex(text).or_else(|| shares(text)).or_else(css).ok_or_else(|| {
-        format!("expected a colour such as #c0ffee, white, steelblue or rgb(255, 128, 0), found \"{text}\"")
+        format!(
+            "expected a colour such as #c0ffee, white, rgb(255, 128, 0) or 1,0.5,0 (of 0 to 1), found \"{text}\""
+        )
     })
 }
 
@@ -166,7 +168,10 @@ pub fn background(text: &str) -> Result<Background, String> {
         [one] => Ok(Background::Solid(color(one)?)),
         [top, bottom] => Ok(Background::Gradient { top: color(top)?, bottom: color(bottom)? }),
         [_, _, _] if shares(text).is_some() => Ok(Background::Solid(color(text)?)),
-        _ => Err("expected one colour, or two for a gradient: TOP,BOTTOM".into()),
+        _ => Err(
+            "expected one colour (white, #c0ffee, or 1,0.5,0 of 0 to 1), or two for a gradient: TOP,BOTTOM"
+                .into(),
+        ),
     }
 }
 

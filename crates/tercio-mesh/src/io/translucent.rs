@@ -30,9 +30,11 @@ pub(super) struct Unseen {
 impl Translucent {
     /// Counts, after what is invisible everywhere became opaque: then, a warning is returned.
     pub(super) fn count(mesh: &mut Mesh) -> (Self, Option<String>) {
-        let unseen = Self::look(mesh).1;
-        let warning = unseen.make_opaque(mesh);
-        (Self::look(mesh).0, warning)
+        let (counts, unseen) = Self::look(mesh);
+        match unseen.make_opaque(mesh) {
+            None => (counts, None),
+            warning => (Self::look(mesh).0, warning),
+        }
     }
 
     /// Counts, and what is invisible everywhere.

@@ -1,7 +1,6 @@
 //! The shadow maps of all parts.
 
-use tercio_raster::Settings;
-use tercio_raster::ShadowMaps;
+use tercio_raster::{Settings, ShadowArea, ShadowMaps};
 use tercio_scene::{Camera, Scene};
 
 use crate::ParallelError;
@@ -24,9 +23,9 @@ pub fn shadow_maps(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
-    size: u32,
+    (size, area): (u32, ShadowArea),
 ) -> Result<ShadowMaps, ParallelError> {
-    let mut maps = ShadowMaps::draw(scene, camera, settings, size)?;
+    let mut maps = ShadowMaps::draw(scene, camera, settings, (size, area))?;
     for texels in maps.nearness_mut() {
         for block in texels.chunks_mut(BLOCK) {
             // The order of 0 and -0 does not depend on the order of ranks.

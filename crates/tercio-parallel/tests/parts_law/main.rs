@@ -13,8 +13,8 @@ use tercio_parallel::between_processes::draw_frame;
 use tercio_parallel::comm::{Communicator, threads};
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{Composition, Division, FrameReport, Organisation, ParallelError, Sharing, parts};
-use tercio_raster::{Frame, Outputs, Renderer, SamplePattern, Sampling, Settings, ShadowMaps};
-use tercio_scene::{Camera, Framing, InstanceMaterials, Light, Material, Scene};
+use tercio_raster::{Frame, Outputs, Renderer, SamplePattern, Sampling, Settings, ShadowArea, ShadowMaps};
+use tercio_scene::{Camera, Framing, InstanceMaterials, Light, Material, Projection, Scene};
 
 use model::{camera, in_parts, model, split, split_evenly, twice, whole};
 
@@ -192,18 +192,32 @@ fn shadows_of(mesh: &Mesh) {
         scene.lights.push(Light::Point { position, color: [0.3; 3], space });
     };
     let scene = whole(mesh, dress);
-    let camera = camera(&scene.bounds(), 2.6);
+    let far = camera(&scene.bounds(), 2.6);
+    // So near that the map of the directional light has only what is seen.
+    let near = Camera { projection: Projection::Perspective { fov_y: 0.1 }, ..far };
+    for (camera, area) in [(far, ShadowArea::Scene), (near, ShadowArea::Picture)] {
+        shadows_for(mesh, dress, &scene, (&camera, area));
+    }
+}
+
+fn shadows_for(
+    mesh: &Mesh,
+    dress: impl Fn(&mut Scene) + Copy + Sync,
+    scene: &Scene,
+    view: (&Camera, ShadowArea),
+) {
+    let (&camera, area) = view;
     let settings = settings(SamplePattern::Sparse4);
-    let maps = Arc::new(ShadowMaps::draw(&scene, &camera, &settings, 64).expect("maps"));
+    let maps = Arc::new(ShadowMaps::draw(scene, &camera, &settings, (64, area)).expect("maps"));
     let with = |maps: &Arc<ShadowMaps>| Settings { shadows: Some(maps.clone()), ..settings.clone() };
-    let expected = Renderer::new().render(&scene, &camera, &with(&maps)).expect("a picture");
-    let bright = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+    let expected = Renderer::new().render(scene, &camera, &with(&maps)).expect("a picture");
+    let bright = Renderer::new().render(scene, &camera, &settings).expect("a picture");
     assert_ne!(expected.planes.color, bright.planes.color, "there are shadows");
     for (ranks, organisation) in [1, 2, 5].into_iter().flat_map(|ranks| ALL.map(|o| (ranks, o))) {
         let parts = split_evenly(mesh, ranks);
         let frames = threads::run(ranks, |comm| {
             let scene = in_parts(comm, &parts, dress)?;
-            let found = Arc::new(parts::shadow_maps(comm, &scene, &camera, &settings, 64)?);
+            let found = Arc::new(parts::shadow_maps(comm, &scene, &camera, &settings, (64, area))?);
             assert!(found == maps, "the maps of rank {} of {ranks}", comm.rank());
             let settings = with(&found);
             let sharing = organisation.into();

@@ -307,11 +307,12 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
+            let own_colors = cluster.vertex_colors().filter(|_| instance.surface.use_mesh_colors);
             let ink = |v: usize| {
                 let value = |reader: &DataReader| reader.vertex(&cluster, v);
                 match &readers[..] {
                     [reader] if is_mapped => Ink { color: pen.color, value: value(reader) },
-                    [] => cluster.vertex_colors().map_or(pen.color, |colors| colors[v]).into(),
+                    [] => own_colors.map_or(pen.color, |colors| colors[v]).into(),
                     all => {
                         let byte = |k: usize| all.get(k).map_or(255, |reader| byte(value(reader)));
                         Ink::from(std::array::from_fn(byte))

@@ -30,6 +30,8 @@ pub struct TextureOptions<'a> {
     /// Whether the scene is drawn unlit, so that all materials show their diffuse colour. Otherwise, those that state that
     /// they are not lit (`illum 0`) emit it.
     pub is_unlit: bool,
+    /// Whether materials have their plain colours and opacities alone: no textures are loaded, and what else they state is ignored.
+    pub is_plain: bool,
 }
 
 /// What was loaded.
@@ -78,13 +80,15 @@ impl TextureOptions<'_> {
         let mut report = TextureReport::default();
         let mesh = Arc::clone(&scene.instances[instance].mesh);
         // Textures are nowhere on a mesh without texture coordinates; `NotDrawn` counts them.
-        let has_textures = mesh.layout().texcoords;
+        let has_textures = mesh.layout().texcoords && !self.is_plain;
         let stock = if has_textures { self.stock(&mesh.materials, folders, &mut report) } else { Vec::new() };
         let layout = mesh.layout();
         let has_own_colors = layout.vertex_colors || layout.face_colors;
         // The mesh's own colours stand in place of the colours of materials, not of their opacity.
-        let states_more =
-            |file| material::states_more_than_a_colour(file) || has_own_colors && file.opacity < 1.0;
+        let states_more = |file| {
+            !self.is_plain && material::states_more_than_a_colour(file)
+                || has_own_colors && file.opacity < 1.0
+        };
         let stated = mesh.materials.iter().any(states_more);
         if stated || stock.iter().any(|stock| !stock.loaded.is_empty()) {
             let first_texture = scene.textures.len();
@@ -93,6 +97,7 @@ impl TextureOptions<'_> {
             let mut of_mesh = Vec::with_capacity(mesh.materials.len());
             let mut lit_nevertheless = 0;
             for file in &mesh.materials {
+                let file = if self.is_plain { &material::plain(file) } else { file };
                 let mut maps = textures.maps(file);
                 // Colours of the mesh take the place of the material's, and are always lit.
                 if maps.is_unlit && has_own_colors && maps.get(TextureRole::Diffuse).is_none() {

@@ -41,6 +41,12 @@ pub fn states_more_than_a_colour(file: &FileMaterial) -> bool {
         || matches!(file.illumination, Some(0 | 1))
 }
 
+/// The colour and opacity of a material alone.
+pub fn plain(file: &FileMaterial) -> FileMaterial {
+    let FileMaterial { ref name, diffuse, states_diffuse, opacity, .. } = *file;
+    FileMaterial { name: name.clone(), diffuse, states_diffuse, opacity, ..FileMaterial::default() }
+}
+
 /// Is a material a colour without light?
 pub fn is_unlit(file: &FileMaterial, options: &TextureOptions) -> bool {
     file.illumination == Some(0) && !options.is_unlit

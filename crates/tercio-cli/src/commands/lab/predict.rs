@@ -212,10 +212,7 @@ impl Predict {
             });
             return format!("{value:#}\n");
         }
-        let how = match plan.organisation {
-            Organisation::SortFirst => "sort-first",
-            _ => "sort-last with direct send",
-        };
+        let how = renderer_words(plan);
         let place = match frame.carrier {
             Carrier::Threads => "threads of one process",
             Carrier::Processes => "processes of one machine",
@@ -270,28 +267,30 @@ impl Predict {
     fn extrapolated_text(&self, counted: &Counted, processors: usize, frame: &ExtrapolatedFrame) -> String {
         let plan = &frame.plan;
         if self.json {
+            let organisation = renderer_words(plan).split(' ').next();
             let value = json!({
-                "model": "extrapolated", "organisation": describe(plan), "ranks": plan.ranks, "processors": processors,
+                "model": "extrapolated", "organisation": organisation, "ranks": plan.ranks, "processors": processors,
                 "counters": counted.counted.frame, "prediction": frame, "total_seconds": frame.total(),
             });
             return format!("{value:#}\n");
         }
         let [fewer, more] = frame.counted;
         let mut text = format!(
-            "{}, {}\nby the model of the renderer's ranks for {fewer} and {more} of them, and each term continued from there; rank 0:\n",
+            "{}, {}\nby the model of the renderer's ranks for {fewer} and {more} of them, and each part continued as a power of their number n; rank 0:\n",
             ranks_on(plan.ranks, processors),
-            describe(plan)
+            renderer_words(plan)
         );
         // Writing into a string cannot fail.
-        let _ =
-            writeln!(text, "{:16} {fewer:>12}    {more:>12}    {:>12}       as ranks to the", "", plan.ranks);
+        let _ = writeln!(text, "{:16} {fewer:>12}    {more:>12}    {:>12}    grows as", "ranks", plan.ranks);
         for term in &frame.terms {
             let [fewer, more] = term.counted.map(|seconds| seconds * 1e3);
             let seconds = term.seconds * 1e3;
             let _ = writeln!(
                 text,
-                "{:16} {fewer:12.4} ms {more:12.4} ms {seconds:12.4} ms {:8.2}",
-                term.name, term.exponent
+                "{:16} {fewer:12.4} ms {more:12.4} ms {seconds:12.4} ms    n^{:.2}",
+                term.name,
+                // Without the sign of a zero.
+                (term.exponent * 100.0).round() / 100.0 + 0.0
             );
         }
         let sum = |of: fn(&Term) -> f64| frame.terms.iter().map(of).sum::<f64>() * 1e3;
@@ -301,7 +300,9 @@ impl Predict {
         let growing: Vec<&str> =
             frame.terms.iter().filter(|term| term.grows()).map(|term| term.name).collect();
         let growing = if growing.is_empty() { "none".into() } else { growing.join(", ") };
-        let _ = writeln!(text, "terms that grow with the number of ranks: {growing}");
+        let _ = writeln!(text, "parts that grow with the number of ranks: {growing}");
+        let _ =
+            writeln!(text, "(the busiest ranks, bytes and memory: of {} ranks and fewer)", frame.counted[1]);
         text
     }
 
@@ -356,6 +357,14 @@ fn need_processors(machine: &Machine, plan: &Plan, by_renderer: bool) -> Result<
         true => anyhow!("{error}; with --share-processors ranks share them"),
         false => error.into(),
     })
+}
+
+/// The renderer's own organisation.
+fn renderer_words(plan: &Plan) -> &'static str {
+    match plan.organisation {
+        Organisation::SortFirst => "sort-first",
+        _ => "sort-last with direct send",
+    }
 }
 
 fn counted_threads(threads: usize) -> String {

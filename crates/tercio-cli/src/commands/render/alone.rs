@@ -74,8 +74,7 @@ impl Render {
             display.stage("drawing");
             return self.draw_page(loaded, camera, frame);
         }
-        let settings =
-            &self.with_shadows(&job.settings, &loaded.scene, camera, display, None::<&mut mpi::Comm>)?;
+        let settings = &self.with_shadows(&job.settings, loaded, camera, display, None::<&mut mpi::Comm>)?;
         display.stage("drawing");
         let scene = &*self.with_strokes(loaded, camera)?;
         let parallel =

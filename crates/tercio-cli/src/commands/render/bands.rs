@@ -43,7 +43,7 @@ impl Render {
             }
             let camera = &cameras.middle;
             let none = None::<&mut mpi::Comm>;
-            let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, display, none)?;
+            let settings = &self.with_shadows(&job.settings, loaded, camera, display, none)?;
             let scene = self.with_strokes(loaded, camera)?;
             let (width, onto) = (self.drawing.size.0, self.lay_out(&loaded.annotated, camera)?.onto);
             let (begin, began) = (Instant::now(), self.ranks.now());

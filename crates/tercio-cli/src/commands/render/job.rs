@@ -40,7 +40,7 @@ impl Render {
         // All processes draw the same pictures in the same order: none of them may end the series early.
         let mut draw = |loaded: &Loaded, camera: &Camera, mut frame: Frame| -> Result<Drawn> {
             let parts = in_parts.then_some(&mut *comm);
-            let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, &display, parts)?;
+            let settings = &self.with_shadows(&job.settings, loaded, camera, &display, parts)?;
             display.stage("drawing");
             let scene = &*self.with_strokes(loaded, camera)?;
             let picture = (scene, camera, settings);

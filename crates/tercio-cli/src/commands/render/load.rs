@@ -37,10 +37,10 @@ fn is_same(a: &ScalarBar, b: &ScalarBar) -> bool {
 }
 
 /// A model that was read, perhaps for several models of the picture.
-struct Opened {
+pub(super) struct Opened {
     /// What was read, and how.
     key: String,
-    loaded: tercio::Loaded,
+    pub loaded: tercio::Loaded,
     share: Option<Share>,
     strokes: Arc<Strokes>,
 }
@@ -90,8 +90,15 @@ impl Render {
         let shadows = self.drawing.shadow_bytes(&scene);
         let up = camera.front().up;
         let is_drawing = job.writing.plan.drawing.is_some();
+        let strokes = self.members().zip(&file_of).map(|(member, &number)| {
+            let file = &files[number];
+            member.strokes_of(file.loaded.whole.as_ref(), Arc::clone(&file.strokes))
+        });
+        let strokes = strokes.collect::<Result<Vec<_>>>()?;
+        let colors = self.shared_colors((&files, &file_of), &strokes, up)?;
         let (mut models, mut bars): (Vec<OfModel>, Vec<ScalarBar>) = (Vec::new(), Vec::new());
-        for (member, &number) in self.members().zip(&file_of) {
+        let drawn = self.members().zip(&file_of).zip(strokes).zip(&colors);
+        for (((member, &number), strokes), colors) in drawn {
             let file = &files[number];
             let place = member.place.transform();
             let begin = scene.instances.len();
@@ -101,10 +108,9 @@ impl Render {
             let mut report = file.loaded.report.clone();
             let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
             report.read.warnings.extend(of_another);
-            let strokes = member.strokes_of(file.loaded.whole.as_ref(), Arc::clone(&file.strokes))?;
             let (mut data, notes) = match self.is_measured {
                 false => {
-                    let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
+                    let data = colors.apply(&mut instance, up, &strokes, parts.as_deref_mut());
                     data.with_context(|| member.model.name())?
                 }
                 true => Default::default(),
@@ -119,7 +125,7 @@ impl Render {
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);
-            let shows_nan = || member.data.has_unknown_category(&instance, data.as_ref());
+            let shows_nan = || colors.has_unknown_category(&instance, data.as_ref());
             if let Some(bar) = member.annotation.bar(&instance, shows_nan) {
                 match bars.iter_mut().find(|other| is_same(other, &bar)) {
                     Some(other) => other.shows_nan |= bar.shows_nan,

@@ -13,6 +13,7 @@ pub mod models;
 mod picture;
 mod plan;
 mod series;
+mod shared_colors;
 mod sheet;
 mod steps;
 mod strokes;

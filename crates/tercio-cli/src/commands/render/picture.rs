@@ -7,7 +7,7 @@ use tercio::LoadReport;
 use tercio::annotate::LaidOut;
 use tercio::effects::add_background;
 use tercio::parallel::Communicator;
-use tercio::raster::{Frame, FrameStats, Settings};
+use tercio::raster::{Frame, FrameStats, Settings, ShadowArea};
 use tercio::scene::{Camera, Scene};
 
 use super::{Loaded, Render};
@@ -20,18 +20,23 @@ impl Render {
     pub(super) fn with_shadows(
         &self,
         settings: &Settings,
-        scene: &Scene,
+        loaded: &Loaded,
         camera: &Camera,
         display: &Display,
         parts: Option<&mut impl Communicator>,
     ) -> Result<Settings> {
+        let scene = &loaded.scene;
+        // Lines, points and glyphs may be beside the bounds of the surfaces.
+        let area = if self.is_plain(loaded) { ShadowArea::Picture } else { ShadowArea::Scene };
         if self.drawing.casts_shadows() {
             display.stage("drawing shadows");
         }
         let name = || self.model.name();
         let shadows = match parts {
-            None => self.drawing.shadows(scene, camera, settings).with_context(name)?,
-            Some(comm) => self.drawing.shadows_of_parts(comm, scene, camera, settings).with_context(name)?,
+            None => self.drawing.shadows(scene, camera, settings, area).with_context(name)?,
+            Some(comm) => {
+                self.drawing.shadows_of_parts(comm, scene, camera, settings, area).with_context(name)?
+            }
         };
         Ok(Settings { shadows, ..settings.clone() })
     }

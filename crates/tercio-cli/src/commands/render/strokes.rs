@@ -47,6 +47,12 @@ impl Render {
     /// The lines and points of the file that are drawn: those that are not cut away. Planes across a part of the model refer to the
     /// bounds of its surface, if it has one.
     pub(super) fn strokes_of(&self, whole: Option<&Extent>, strokes: Arc<Strokes>) -> Result<Arc<Strokes>> {
+        let strokes = match strokes.colors {
+            Some(_) if !self.drawing.surface().use_mesh_colors => {
+                Arc::new(Strokes { colors: None, ..(*strokes).clone() })
+            }
+            _ => strokes,
+        };
         let Some(clipping) = self.clip.clipping().filter(|_| !strokes.is_empty()) else { return Ok(strokes) };
         let bounds = whole.map(Extent::bounds).filter(|bounds| !bounds.is_empty());
         let bounds = bounds.unwrap_or_else(|| strokes.bounds());
@@ -122,10 +128,15 @@ impl Render {
     }
 
     /// Is nothing of the model drawn but its surface?
-    fn is_plain(&self, of_model: &OfModel) -> bool {
+    fn is_surface(&self, of_model: &OfModel) -> bool {
         let Drawable { file, edges, glyphs, .. } = &of_model.drawable;
         let has_strokes = !file.is_empty() || !edges.is_empty() || !glyphs.is_empty();
         !has_strokes && !self.strokes.has_vertices() && self.strokes.has_surface()
+    }
+
+    /// Is nothing drawn but the surfaces of all models?
+    pub(super) fn is_plain(&self, loaded: &Loaded) -> bool {
+        self.members().zip(&loaded.models).all(|(member, of_model)| member.is_surface(of_model))
     }
 
     /// The view of a camera, with all that is drawn between its planes.
@@ -147,7 +158,7 @@ impl Render {
     pub(super) fn with_strokes<'a>(&self, loaded: &'a Loaded, camera: &Camera) -> Result<Cow<'a, Scene>> {
         let Loaded { scene, models, .. } = loaded;
         let all = || self.members().zip(models);
-        if all().all(|(member, of_model)| member.is_plain(of_model)) {
+        if self.is_plain(loaded) {
             return Ok(Cow::Borrowed(scene));
         }
         let eye = Eye::new(self.view(loaded, camera)?);

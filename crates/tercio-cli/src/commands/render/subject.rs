@@ -52,7 +52,7 @@ impl<'a> Subject<'a> {
         self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.bounds()))
     }
 
-    /// The smallest box around it, however it is turned. Takes a look at the vertices of what is.
+    /// The smallest box around it, however it is turned. Looks at the vertices of what is turned.
     pub fn smallest_box(&self) -> Aabb {
         self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.smallest_box()))
     }
@@ -130,7 +130,7 @@ impl Piece<'_> {
     }
 }
 
-/// Whether a box does not remain a box along the axes: a coordinate depends on more than one of those before.
+/// Whether a box does not remain a box along the axes: a coordinate depends on more than one of the original ones.
 fn turns(matrix: &DMat3) -> bool {
     (0..3).any(|row| matrix.row(row).to_array().iter().filter(|&&v| v != 0.0).count() > 1)
 }

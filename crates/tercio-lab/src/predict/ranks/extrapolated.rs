@@ -82,6 +82,9 @@ pub fn extrapolate(
         let frame = predict(machine, picture, &Plan { ranks, ..*plan })?;
         Ok(frame.unwrap_or_else(|reason| panic!("{ranks} of {} ranks are not counted: {reason}", plan.ranks)))
     };
+    if machine.processors.per_node.is_some() {
+        machine.may_have(plan.ranks * plan.threads.max(1))?;
+    }
     let [fewer, more] = COUNTED;
     Ok(ExtrapolatedFrame::new(*plan, &[of(fewer)?, of(more)?]))
 }

@@ -280,7 +280,8 @@ fn warn_of_numbers(job: &Job, header: &Header, mesh: &Mesh) {
     let is_missing = |&&number: &&f32| !(number < 0.0) && texture_of(number, &header.textures).is_none();
     let missing = numbers.par_iter().filter(is_missing).count() as u64;
     if missing > 0 {
-        let (triangles, named) = (counted(missing, "triangle"), header.textures.len());
-        job.warn(format!("did not draw textures of {triangles}: their texnumber is none of the {named} textures of the file"));
+        let (triangles, named) =
+            (counted(missing, "triangle"), counted(header.textures.len() as u64, "texture"));
+        job.warn(format!("did not draw textures of {triangles}: the file names {named}, and their texnumber is none of these"));
     }
 }

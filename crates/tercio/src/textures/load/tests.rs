@@ -100,19 +100,25 @@ fn every_alpha_counts() {
                 };
                 let text: String = SQUARE.lines().map(line).collect();
                 fs::write(model.0.path().join("m.obj"), text).expect("room");
-                let (mut scene, report) = model.load(&TextureOptions::default());
+                let (scene, report) = model.load(&TextureOptions::default());
                 assert_eq!(report.warnings.len(), 0, "{:?}", report.warnings);
-                scene.background = tercio_scene::Background::Solid([1.0; 4]);
-                let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
-                let alpha: f64 = of_texture * of_material * of_vertices;
-                for linear in &frame.planes.linear {
-                    let expected = [1.0, 1.0 - alpha, 1.0 - alpha];
-                    let far = (0..3).any(|k| (f64::from(linear[k]) - expected[k]).abs() > 1e-3);
-                    assert!(
-                        !far,
-                        "{texture:?}, {material:?}, {color:?}: {linear:?} in place of {expected:?}"
-                    );
-                }
+                let check = |mut scene: Scene, alpha: f64| {
+                    scene.background = tercio_scene::Background::Solid([1.0; 4]);
+                    let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+                    for linear in &frame.planes.linear {
+                        let expected = [1.0, 1.0 - alpha, 1.0 - alpha];
+                        let far = (0..3).any(|k| (f64::from(linear[k]) - expected[k]).abs() > 1e-3);
+                        assert!(
+                            !far,
+                            "{texture:?}, {material:?}, {color:?}: {linear:?} in place of {expected:?}"
+                        );
+                    }
+                };
+                check(scene, of_texture * of_material * of_vertices);
+                let plain = TextureOptions { is_plain: true, ..TextureOptions::default() };
+                let (scene, report) = model.load(&plain);
+                assert_eq!((report.textures, report.warnings.len()), (0, 0));
+                check(scene, of_material * of_vertices);
             }
         }
     }

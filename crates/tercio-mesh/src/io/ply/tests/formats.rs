@@ -271,11 +271,11 @@ fn texture_seams_split_vertices() {
         for (bytes, expected) in [
             (
                 one,
-                "did not draw textures of 1 triangle: their texnumber is none of the 1 textures of the file",
+                "did not draw textures of 1 triangle: the file names 1 texture, and their texnumber is none of these",
             ),
             (
                 bytes,
-                "did not draw textures of 2 triangles: their texnumber is none of the 0 textures of the file",
+                "did not draw textures of 2 triangles: the file names 0 textures, and their texnumber is none of these",
             ),
         ] {
             let warnings = read_ok(bytes).report.warnings;
