@@ -325,6 +325,11 @@ fn processes_with_parts_of_a_model_draw_the_whole() {
         compare("whole.tercio", 3, options);
     }
     compare("whole.ply", 1, "");
+    // The box of a turned model is that of all vertices.
+    let boxed = "--rotate 20,0,30 --bounds --size 160x120 --threads 1 -q -o";
+    place.run(&format!("render whole.ply {boxed} alone_box.png")).ok_silently();
+    mpirun(&place, &[(3, &format!("render whole.ply {boxed} ranks_box.png --parts"))]).ok_silently();
+    assert!(place.read("alone_box.png") == place.read("ranks_box.png"));
     // Files of their own: those at a seam have vertices at the same places.
     for rank in 0..3 {
         let rows = (N - 1) * rank / 3..(N - 1) * (rank + 1) / 3;

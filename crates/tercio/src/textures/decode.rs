@@ -99,6 +99,12 @@ pub enum TextureError {
     },
 }
 
+impl TextureError {
+    fn ends_early() -> Self {
+        Self::Broken { reason: "the file ends early".into() }
+    }
+}
+
 impl From<ImageError> for TextureError {
     fn from(error: ImageError) -> Self {
         match error {
@@ -176,7 +182,11 @@ pub fn texture_from_bytes(
     let format = format_of(bytes, Path::new(""))?;
     let needs = needs(Cursor::new(bytes), format, bytes.len() as u64)?;
     needs.check(0, memory_limit)?;
-    Ok(decode(bytes, &needs)?.texture(encoding))
+    let picture = decode(bytes, &needs)?;
+    if picture.ends_early {
+        return Err(TextureError::ends_early());
+    }
+    Ok(picture.texture(encoding))
 }
 
 impl Needs {
@@ -250,7 +260,9 @@ fn panorama_from_bytes(mut bytes: Vec<u8>, memory_limit: Option<u64>) -> Result<
     };
     let needs = needs(Cursor::new(&bytes), format, bytes.len() as u64)?;
     needs.check(0, memory_limit)?;
-    check_end(&bytes, format)?;
+    if ends_early(&bytes, format) {
+        return Err(TextureError::ends_early().into());
+    }
     let decoder = decoder(Cursor::new(&bytes), format, needs.decoding_bytes)?;
     let is_linear = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
     let image = DynamicImage::from_decoder(decoder).map_err(TextureError::from)?;
@@ -320,16 +332,16 @@ fn needs<'a>(
     Ok(Needs { format, size: (width, height), file_bytes, texture_bytes, decoding_bytes })
 }
 
-/// Refuses a JPEG that ends early: its decoder makes what is missing grey.
-fn check_end(bytes: &[u8], format: ImageFormat) -> Result<(), TextureError> {
+/// Does a JPEG end early? Its decoder makes what is missing grey, and no error.
+fn ends_early(bytes: &[u8], format: ImageFormat) -> bool {
     // Segments up to the first scan have a length; a picture within one of them has an end of its own.
     const START_OF_SCAN: u8 = 0xda;
     const END: [u8; 2] = [0xff, 0xd9];
     let mut rest = match format {
         ImageFormat::Jpeg => bytes.get(2..).unwrap_or_default(),
-        _ => return Ok(()),
+        _ => return false,
     };
-    let is_short = loop {
+    loop {
         // Bytes that fill up come before a marker.
         match rest {
             [0xff, 0xff, ..] => rest = &rest[1..],
@@ -342,8 +354,7 @@ fn check_end(bytes: &[u8], format: ImageFormat) -> Result<(), TextureError> {
             // What that is, the decoder knows.
             _ => break false,
         }
-    };
-    if is_short { Err(TextureError::Broken { reason: "the file ends early".into() }) } else { Ok(()) }
+    }
 }
 
 fn decode(bytes: &[u8], needs: &Needs) -> Result<Picture, TextureError> {
@@ -351,7 +362,6 @@ fn decode(bytes: &[u8], needs: &Needs) -> Result<Picture, TextureError> {
     if decoder.dimensions() != needs.size || decoder.total_bytes() > needs.decoding_bytes / 4 {
         return Err(TextureError::Broken { reason: "the file has changed while it was read".into() });
     }
-    check_end(bytes, needs.format)?;
     let is_wide = matches!(
         decoder.color_type(),
         ColorType::L16
@@ -367,7 +377,9 @@ fn decode(bytes: &[u8], needs: &Needs) -> Result<Picture, TextureError> {
     } else {
         Pixels::Eight(image.into_rgba8().into_raw())
     };
-    Ok(Picture::new(needs.size, pixels))
+    let mut picture = Picture::new(needs.size, pixels);
+    picture.ends_early = ends_early(bytes, needs.format);
+    Ok(picture)
 }
 
 #[cfg(test)]

@@ -239,6 +239,7 @@ impl TextureOptions<'_> {
                         problems
                             .invisible
                             .extend(made.was_invisible.then(|| format!("\"{}\"", shortened(name))));
+                        problems.short.extend(made.ends_early.then(|| format!("\"{}\"", shortened(name))));
                         job.names
                             .iter()
                             .for_each(|&number| drop(loaded.insert(number, made.textures.clone())));
@@ -361,6 +362,7 @@ struct Problems {
     failed: Vec<String>,
     substitutes: Vec<String>,
     invisible: Vec<String>,
+    short: Vec<String>,
     /// Bytes of the textures made so far.
     kept_bytes: u64,
 }
@@ -373,6 +375,7 @@ impl Problems {
         }
         warn(report, "did not draw", &self.failed);
         warn(report, "took textures with another extension than is named:", &self.substitutes);
+        warn(report, "drew what there is of textures whose files end early:", &self.short);
         warn(report, "ignored the alpha, which is 0 everywhere, of", &self.invisible);
     }
 }

@@ -26,6 +26,8 @@ pub struct Picture {
     height: u32,
     pixels: Pixels,
     facts: Facts,
+    /// Whether its file ends before the picture does, or at least before its end is said.
+    pub ends_early: bool,
 }
 
 /// Least and largest values of each channel, of 65535, and the number of texels of some kinds.
@@ -62,7 +64,7 @@ impl Picture {
     /// # Panics
     /// If the number of pixels is not the product of width and height.
     pub fn new((width, height): (u32, u32), pixels: Pixels) -> Self {
-        let mut picture = Self { width, height, pixels, facts: Facts::NONE };
+        let mut picture = Self { width, height, pixels, facts: Facts::NONE, ends_early: false };
         picture.facts = match &picture.pixels {
             Pixels::Eight(p) => facts(p.as_chunks().0, |texel: [u8; 4]| texel.map(|c| u16::from(c) * 257)),
             Pixels::Sixteen(p) => facts(p.as_chunks().0, |texel: [u16; 4]| texel),

@@ -116,6 +116,8 @@ pub struct Made {
     pub textures: Vec<(Vec<Use>, Arc<Texture>)>,
     /// Whether an alpha that is 0 everywhere was ignored.
     pub was_invisible: bool,
+    /// Whether the file ends early.
+    pub ends_early: bool,
 }
 
 /// What is made of a picture.
@@ -165,6 +167,7 @@ impl Job {
     /// Each content that a use needs becomes one texture.
     pub fn make(&self, picture: Picture, ignores_alpha: bool) -> Made {
         let is_diffuse = self.uses.iter().any(|u| u.role == TextureRole::Diffuse);
+        let ends_early = picture.ends_early;
         let was_invisible = is_diffuse && !ignores_alpha && picture.is_invisible();
         let has_alpha = !ignores_alpha && !picture.is_opaque() && !was_invisible;
         let content = |u: Use| match u.role {
@@ -203,7 +206,7 @@ impl Job {
             };
             textures.push((uses, Arc::new(texture)));
         }
-        Made { textures, was_invisible }
+        Made { textures, was_invisible, ends_early }
     }
 }
 

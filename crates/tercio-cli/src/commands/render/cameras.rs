@@ -30,8 +30,8 @@ impl Render {
         let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
             Ok(match &mut parts {
                 // All of the box has to be in the picture, not only the model.
-                _ if annotation.bounds && frames_model => {
-                    options.camera_for_box(&subject.smallest_box(), framing)
+                parts if annotation.bounds && frames_model => {
+                    options.camera_for_box(&subject.smallest_box(parts)?, framing)
                 }
                 None => options.camera_for(&subject.bounds(), |d, from| subject.reach(d, from), framing),
                 Some(comm) => options.camera_of_parts(*comm, scene, framing)?,

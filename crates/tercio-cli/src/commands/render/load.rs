@@ -206,12 +206,19 @@ impl Render {
         }
         let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
         let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: DVec3::Y };
-        let cameras =
-            self.cameras(&job.motion, &camera, (&scene, &subject), &annotated.of_picture(), parts)?;
+        let cameras = self.cameras(
+            &job.motion,
+            &camera,
+            (&scene, &subject),
+            &annotated.of_picture(),
+            parts.as_deref_mut(),
+        )?;
         drop(subject);
         if self.annotation.is_behind() {
-            let boxes = models.iter().map(|model| model.model_box(&scene));
-            let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+            let mut bounds = Aabb::EMPTY;
+            for model in &models {
+                bounds = bounds.union(model.model_box(&scene, &mut parts)?);
+            }
             annotated.bounds = [bounds.min, bounds.max];
         }
         annotated.up = up;

@@ -8,6 +8,8 @@ use tercio::glam::DAffine3;
 use tercio::glyphs::Glyphs;
 use tercio::mesh::Aabb;
 use tercio::mesh::strokes::Strokes;
+use tercio::parallel::Communicator;
+use tercio::parallel::comm::CommError;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Instance, Scene};
 use tercio::{LoadReport, TextureReport};
@@ -93,14 +95,22 @@ impl OfModel {
     }
 
     /// The box of what is drawn of the model itself: not of glyphs, which show its data.
-    pub fn model_box(&self, scene: &Scene) -> Aabb {
+    /// Of models in parts, together with the ranks that have the others.
+    ///
+    /// # Errors
+    /// Another rank is gone.
+    pub fn model_box(
+        &self,
+        scene: &Scene,
+        parts: &mut Option<&mut impl Communicator>,
+    ) -> Result<Aabb, CommError> {
         let mut subject = Subject::default();
         scene.instances[self.instances.clone()]
             .iter()
             .for_each(|instance| subject.add_instance(instance, 0.0));
         let own = Extent::of_strokes(&self.drawable.file);
         self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(&own), place, 0.0));
-        subject.smallest_box()
+        subject.smallest_box(parts)
     }
 }
 

@@ -4,6 +4,9 @@ use std::borrow::Cow;
 
 use tercio::glam::{DAffine3, DMat3, DVec3};
 use tercio::mesh::Aabb;
+use tercio::parallel::Communicator;
+use tercio::parallel::comm::CommError;
+use tercio::parallel::comm::collective::all_max;
 use tercio::scene::Instance;
 use tercio::scene::framing::{Extent, Outline};
 
@@ -52,9 +55,13 @@ impl<'a> Subject<'a> {
         self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.bounds()))
     }
 
-    /// The smallest box around it, however it is turned. Looks at the vertices of what is turned.
-    pub fn smallest_box(&self) -> Aabb {
-        self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.smallest_box()))
+    /// The smallest box around it, however it is turned. Looks at the vertices of what is turned; of models in parts, together with
+    /// the ranks that have the others.
+    ///
+    /// # Errors
+    /// Another rank is gone.
+    pub fn smallest_box(&self, parts: &mut Option<&mut impl Communicator>) -> Result<Aabb, CommError> {
+        self.pieces.iter().try_fold(Aabb::EMPTY, |bounds, piece| Ok(bounds.union(piece.smallest_box(parts)?)))
     }
 
     /// See [`Instance::reach`].
@@ -73,24 +80,29 @@ impl Piece<'_> {
         }
     }
 
-    fn smallest_box(&self) -> Aabb {
-        let (bounds, turned) = (self.bounds(), self.is_turned());
-        if bounds.is_empty() || !turned {
-            return bounds;
+    fn smallest_box(&self, parts: &mut Option<&mut impl Communicator>) -> Result<Aabb, CommError> {
+        let (bounds, is_turned) = (self.bounds(), self.is_turned());
+        if bounds.is_empty() || !is_turned {
+            return Ok(bounds);
         }
         let middle = bounds.center();
-        let far = |sign: f64| DVec3::from(DVec3::AXES.map(|axis| sign * self.reach(axis * sign, middle)));
+        let [x, y, z] = DVec3::AXES;
+        let mut far = [x, y, z, -x, -y, -z].map(|direction| self.reach(direction, middle));
+        if let (Some(comm), Self::Instance(instance, _)) = (parts, self)
+            && instance.share.is_some()
+        {
+            far = all_max(*comm, far)?;
+        }
+        let [x, y, z, left, below, behind] = far;
         // Rounded: nothing is outside of the box of the box.
-        Aabb { min: (middle + far(-1.0)).max(bounds.min), max: (middle + far(1.0)).min(bounds.max) }
+        let (min, max) = (middle - DVec3::new(left, below, behind), middle + DVec3::new(x, y, z));
+        Ok(Aabb { min: min.max(bounds.min), max: max.min(bounds.max) })
     }
 
     /// Whether its box may be smaller than that of its own box.
     fn is_turned(&self) -> bool {
         match self {
-            // A part has the box of the whole model, but not the vertices.
-            Self::Instance(instance, _) => {
-                instance.share.is_none() && turns(&instance.world_from_object.matrix3)
-            }
+            Self::Instance(instance, _) => turns(&instance.world_from_object.matrix3),
             Self::Extent(_, place, _) => turns(&place.matrix3),
             Self::Outline(_) => false,
         }

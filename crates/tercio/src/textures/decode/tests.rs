@@ -134,7 +134,7 @@ fn shortened_and_altered_files_are_errors_or_pictures() {
 }
 
 #[test]
-fn a_shortened_picture_is_never_drawn_in_part() {
+fn a_shortened_picture_is_an_error_or_said_to_be_one() {
     let noise = RgbaImage::from_fn(64, 48, |x, y| {
         let level = (x * 97 + y * y * 31) as u8;
         image::Rgba([level, level.wrapping_mul(7), level ^ 91, 255])
@@ -143,21 +143,24 @@ fn a_shortened_picture_is_never_drawn_in_part() {
         let image = DynamicImage::from(noise.clone());
         let image = if format == ImageFormat::Jpeg { image.to_rgb8().into() } else { image };
         let bytes = encoded(image, format);
-        assert!(from_bytes(format, &bytes).is_ok(), "{format:?}");
+        let ends_early = |bytes: &[u8]| from_bytes(format, bytes).map_or(true, |picture| picture.ends_early);
+        assert!(!ends_early(&bytes), "{format:?}");
         for share in [10, 50, 90, 97] {
-            let result = from_bytes(format, &bytes[..bytes.len() * share / 100]);
-            assert!(result.is_err(), "{share} % of a {format:?}");
+            assert!(ends_early(&bytes[..bytes.len() * share / 100]), "{share} % of a {format:?}");
         }
     }
     // A thumbnail within a segment has an end of its own.
     let jpeg = encoded(DynamicImage::from(noise).to_rgb8(), ImageFormat::Jpeg);
     let thumbnail = [&[0xff, 0xe1, 0, 6, 0xff, 0xd8, 0xff, 0xd9], &jpeg[2..]].concat();
     let whole = [&jpeg[..2], &thumbnail].concat();
-    assert!(from_bytes(ImageFormat::Jpeg, &whole).is_ok());
-    let half = from_bytes(ImageFormat::Jpeg, &whole[..whole.len() / 2]);
-    assert!(message(half).contains("ends early"));
+    let ends_early = |bytes: &[u8]| from_bytes(ImageFormat::Jpeg, bytes).expect("a picture").ends_early;
+    assert!(!ends_early(&whole) && ends_early(&whole[..whole.len() / 2]));
+    // Without the mark of the end, but whole.
+    assert!(ends_early(&whole[..whole.len() - 2]));
     // What follows the end does not matter.
-    assert!(from_bytes(ImageFormat::Jpeg, &[&jpeg[..], b"more"].concat()).is_ok());
+    assert!(!ends_early(&[&jpeg[..], b"more"].concat()));
+    let refused = texture_from_bytes(&whole[..whole.len() / 2], Encoding::Srgb, None);
+    assert!(matches!(refused, Err(TextureError::Broken { .. })), "{refused:?}");
 }
 
 fn from_bytes(format: ImageFormat, bytes: &[u8]) -> Result<Picture, TextureError> {
