@@ -36,8 +36,8 @@ pub fn material_of(scene: &Scene, instance: &Instance, mesh: &Mesh, triangle: us
 }
 
 /// Evaluates a material at a point. `point` is `None` if the mesh has no texture coordinates: then there are no textures.
-/// `own` is the colour and alpha of the mesh, if it has colours: they stand in place of the material's. A texture stands in place of
-/// the colour, not of its alpha.
+/// `own` is the colour and alpha of the mesh, if it has colours, which override the material's. A texture overrides the colour, not its
+/// alpha.
 pub fn evaluate(
     scene: &Scene,
     material: &Material,

@@ -80,11 +80,11 @@ impl TextureOptions<'_> {
         let mut report = TextureReport::default();
         let mesh = Arc::clone(&scene.instances[instance].mesh);
         // Textures are nowhere on a mesh without texture coordinates; `NotDrawn` counts them.
-        let has_textures = mesh.layout().texcoords && !self.is_plain;
-        let stock = if has_textures { self.stock(&mesh.materials, folders, &mut report) } else { Vec::new() };
         let layout = mesh.layout();
+        let has_textures = layout.texcoords && !self.is_plain;
+        let stock = if has_textures { self.stock(&mesh.materials, folders, &mut report) } else { Vec::new() };
         let has_own_colors = layout.vertex_colors || layout.face_colors;
-        // The mesh's own colours stand in place of the colours of materials, not of their opacity.
+        // Colours of the mesh override those of materials, not their opacity.
         let states_more = |file| {
             !self.is_plain && material::states_more_than_a_colour(file)
                 || has_own_colors && file.opacity < 1.0

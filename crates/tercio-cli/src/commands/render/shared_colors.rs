@@ -46,10 +46,8 @@ impl Render {
                 survey = survey.and(own.with_context(|| member.model.name())?);
             }
             for &i in &alike {
-                all[i] = all[i].of_series(&survey);
-                if i > first {
-                    all[i] = all[i].clone().behind_the_first();
-                }
+                let own = all[i].of_series(&survey);
+                all[i] = if i > first { own.behind_the_first() } else { own };
             }
         }
         Ok(all)

@@ -27,8 +27,7 @@ pub struct Evaluated {
     pub uv_scale: [Lanes; 2],
 }
 
-/// Colours of the mesh itself at 16 points: they stand in place of the material's. A texture stands in place of the colours, not of
-/// their alpha.
+/// Colours of the mesh itself at 16 points, which override the material's. A texture overrides the colours, not their alpha.
 pub struct Own {
     pub color: [Lanes; 3],
     pub alpha: Lanes,
