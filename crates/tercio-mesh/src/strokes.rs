@@ -1,5 +1,7 @@
 //! Lines and points of a model, beside its triangles.
 
+use std::collections::HashMap;
+
 use glam::DVec3;
 
 use crate::{Aabb, Attribute, AttributeDomain, Mesh};
@@ -58,6 +60,45 @@ impl Strokes {
         }
     }
 
+    /// These lines and points with colours of segments and of points, sRGB and linear alpha, made from their numbers and the colour
+    /// of a vertex: a vertex of elements of several colours becomes several.
+    pub fn colored(
+        mut self,
+        of_segment: impl Fn(usize, Option<[u8; 4]>) -> [u8; 4],
+        of_point: impl Fn(usize, Option<[u8; 4]>) -> [u8; 4],
+    ) -> Self {
+        let before = self.colors.take();
+        let own = |vertex: u32| before.as_ref().map(|colors| colors[vertex as usize]);
+        // The first colour of each vertex, and copies of vertices with further ones.
+        let mut firsts: Vec<Option<[u8; 4]>> = vec![None; self.positions.len()];
+        let mut copies: Vec<(u32, [u8; 4])> = Vec::new();
+        let mut numbers = HashMap::new();
+        let mut paint = |vertex: &mut u32, color: [u8; 4]| {
+            let first = &mut firsts[*vertex as usize];
+            if *first.get_or_insert(color) != color {
+                let next = (self.positions.len() + copies.len()) as u32;
+                *vertex = *numbers.entry((*vertex, color)).or_insert_with_key(|&copy| {
+                    copies.push(copy);
+                    next
+                });
+            }
+        };
+        for (number, segment) in self.segments.iter_mut().enumerate() {
+            segment.iter_mut().for_each(|vertex| paint(vertex, of_segment(number, own(*vertex))));
+        }
+        for (number, point) in self.points.iter_mut().enumerate() {
+            paint(point, of_point(number, own(*point)));
+        }
+        let (sources, colors): (Vec<u32>, Vec<[u8; 4]>) = copies.into_iter().unzip();
+        self.positions.extend(pick(&self.positions, &sources));
+        for attribute in &mut self.attributes {
+            attribute.values.extend(pick(&attribute.values, &sources));
+        }
+        let firsts = firsts.into_iter().map(|first| first.unwrap_or([255; 4]));
+        self.colors = Some(firsts.chain(colors).collect());
+        self
+    }
+
     /// Position of a vertex in object space.
     ///
     /// # Panics
@@ -82,6 +123,30 @@ fn pick<T: Copy>(values: &[T], numbers: &[u32]) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_vertex_of_elements_of_several_colors_becomes_several() {
+        let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [9.0; 3]];
+        let values = vec![5.0, 6.0, 7.0, 8.0];
+        let attribute =
+            Attribute { name: "a".into(), domain: AttributeDomain::Vertex, values, offset: 0.0 };
+        let (segments, points) = (vec![[0, 1], [1, 2], [2, 1]], vec![1, 0]);
+        let strokes =
+            Strokes { positions, attributes: vec![attribute], segments, points, ..Strokes::default() };
+        let [red, blue] = [[255, 0, 0, 255], [0, 0, 255, 128]];
+        let painted = strokes.clone().colored(|n, _| if n == 0 { red } else { blue }, |n, _| [red, blue][n]);
+        assert_eq!(painted.segments, [[0, 1], [4, 2], [2, 4]]);
+        assert_eq!(painted.points, [1, 5]);
+        assert_eq!(painted.positions[4..], [[1.0, 0.0, 0.0], [0.0; 3]]);
+        assert_eq!(painted.attributes[0].values, [5.0, 6.0, 7.0, 8.0, 6.0, 5.0]);
+        assert_eq!(painted.colors.as_deref(), Some(&[red, red, blue, [255; 4], blue, blue][..]));
+        // From the colours of vertices.
+        let colors = Some(vec![[1, 2, 3, 200], red, red, red]);
+        let whole = Strokes { colors, ..strokes };
+        let half = |_, own: Option<[u8; 4]>| own.map_or(blue, |[r, g, b, a]| [r, g, b, a / 2]);
+        let colors = whole.colored(half, half).colors.unwrap();
+        assert_eq!(colors, [[1, 2, 3, 100], [255, 0, 0, 127], [255, 0, 0, 127], [255; 4]]);
+    }
 
     #[test]
     fn bounds_are_those_of_finite_vertices() {

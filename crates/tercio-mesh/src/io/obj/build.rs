@@ -110,17 +110,24 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     (coordinates, mesh.origin, mesh.positions) = localize_at(&positions, options.origin);
     drop(positions);
 
-    let strokes = strokes(&mut chunks, &mesh, &mut warnings);
+    let not_drawn = not_drawn(&chunks);
     add_names(input, &chunks, &mut mesh);
     let mut companions = Vec::new();
-    add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
+    let painted = add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
+    let mut strokes = strokes(&mut chunks, &mesh, &mut warnings);
+    if let Some(painted) = painted {
+        strokes = strokes.colored(
+            |number, own| painted.segments.color(number, own),
+            |number, own| painted.points.color(number, own),
+        );
+    }
     warn_of_ignored(&chunks, &mut warnings);
     let report = ReadReport {
         format: "OBJ".into(),
         file_bytes: input.file_bytes,
         faces,
         translucent: Translucent::default(),
-        not_drawn: not_drawn(&chunks),
+        not_drawn,
         companions,
         warnings,
     };
@@ -266,10 +273,14 @@ fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
     (triangles, faces)
 }
 
+fn faces(chunk: &Chunk) -> u64 {
+    chunk.corners.faces().into()
+}
+
 /// Groups and objects become attributes if there is more than one.
 fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
-    let groups = Names::join(input, chunks, |c| &c.groups);
-    let objects = Names::join(input, chunks, |c| &c.objects);
+    let groups = Names::join(input, chunks, faces, |c| c.groups.iter().copied());
+    let objects = Names::join(input, chunks, faces, |c| c.objects.iter().copied());
     for (name, names) in [("group", groups), ("object", objects)] {
         if names.differ() {
             // Faces before the first name count as a group of their own, number 0.
@@ -286,18 +297,55 @@ fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
     }
 }
 
-/// Looks up the materials that faces use. A material that no library defines causes a warning and gets no number,
-/// because an invented colour could be mistaken for one of the file.
-fn add_materials(
+/// Colours of materials of lines and points.
+struct Painted<'a> {
+    segments: Paints<'a>,
+    points: Paints<'a>,
+}
+
+/// Materials of elements of one kind.
+struct Paints<'a> {
+    used: Names<'a>,
+    /// The colour of each name.
+    colors: Vec<Option<[u8; 4]>>,
+}
+
+impl Paints<'_> {
+    /// The colour of an element at a vertex with a colour of its own, which then has only the material's opacity, as at the corners
+    /// of faces. Without a material it is that of one that states nothing.
+    fn color(&self, element: usize, own: Option<[u8; 4]>) -> [u8; 4] {
+        let of_material = self.used.of(element).and_then(|name| self.colors[name as usize]);
+        let of_material = of_material.unwrap_or_else(|| flat_color(&FileMaterial::default()));
+        match own {
+            Some([r, g, b, a]) => [r, g, b, (f32::from(a) * f32::from(of_material[3]) / 255.0).round() as u8],
+            None => of_material,
+        }
+    }
+}
+
+/// Colour and opacity of a material where there is neither light nor texture.
+fn flat_color(material: &FileMaterial) -> [u8; 4] {
+    let [r, g, b] = material.diffuse;
+    [r, g, b, material.opacity].map(|level| (level * 255.0).round() as u8)
+}
+
+/// Looks up the materials that faces, lines and points use. A material that no library defines causes a warning and gets no number,
+/// because an invented colour could be mistaken for one of the file. `None` if lines and points have no material.
+fn add_materials<'a>(
     input: &Input,
-    chunks: &[Chunk],
+    chunks: &[Chunk<'a>],
     mesh: &mut Mesh,
     companions: &mut Vec<PathBuf>,
     warnings: &mut Vec<String>,
-) {
-    let used = Names::join(input, chunks, |c| &c.materials);
-    if used.names.is_empty() {
-        // The libraries are not read for this mesh, but they are files of the model nevertheless.
+) -> Option<Painted<'a>> {
+    let used = Names::join(input, chunks, faces, |c| c.materials.iter().map(|p| (p.face, p.name)));
+    let of_segments = |c: &Chunk| c.segments.len() as u64;
+    let of_segments =
+        Names::join(input, chunks, of_segments, |c| c.materials.iter().map(|p| (p.segment, p.name)));
+    let of_dots = |c: &Chunk| c.dots.len() as u64;
+    let of_dots = Names::join(input, chunks, of_dots, |c| c.materials.iter().map(|p| (p.dot, p.name)));
+    if [&used, &of_segments, &of_dots].iter().all(|used| used.names.is_empty()) {
+        // The libraries are not read for this model, but they are files of it nevertheless.
         if let Some(base) = &input.base {
             let (libraries, mut scratch) = (mtl::Libraries::new(base), Vec::new());
             // Each once, in the order of the file.
@@ -306,32 +354,38 @@ fn add_materials(
                 libraries.note_unread(join(names, &mut scratch), companions);
             }
         }
-        return;
+        return None;
     }
     let library = load_libraries(input, chunks, companions, warnings);
     warnings.dedup();
     let mut by_name = HashMap::new();
-    for (i, material) in library.iter().enumerate().rev() {
-        by_name.insert(material.name.as_str(), i);
+    for material in library.iter().rev() {
+        by_name.insert(material.name.as_str(), material);
     }
-    let mut undefined = Vec::new();
+    let (mut undefined, mut noted) = (Vec::new(), HashSet::new());
+    let mut find = |name: &'a [u8]| {
+        let text = names::text(name);
+        let material = by_name.get(text.as_str()).copied();
+        if material.is_none() && noted.insert(name) {
+            undefined.push(format!("\"{text}\""));
+        }
+        material
+    };
     let numbers: Vec<u32> = used
         .names
         .iter()
-        .map(|name| {
-            let name = names::text(name);
-            match by_name.get(name.as_str()).and_then(|&i| library.get(i)) {
-                Some(material) => {
-                    mesh.materials.push(FileMaterial::clone(material));
-                    mesh.materials.len() as u32 - 1
-                }
-                None => {
-                    undefined.push(format!("\"{name}\""));
-                    Mesh::NO_MATERIAL
-                }
+        .map(|name| match find(name) {
+            Some(material) => {
+                mesh.materials.push(FileMaterial::clone(material));
+                mesh.materials.len() as u32 - 1
             }
+            None => Mesh::NO_MATERIAL,
         })
         .collect();
+    let [segments, points] = [of_segments, of_dots].map(|used| {
+        let colors = used.names.iter().map(|name| find(name).map(flat_color)).collect();
+        Paints { used, colors }
+    });
     if !undefined.is_empty() {
         let dots = if undefined.len() > 3 { ", …" } else { "" };
         let first = undefined.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
@@ -346,6 +400,8 @@ fn add_materials(
         mesh.triangle_materials =
             Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
     }
+    let has_color = |paints: &Paints| paints.colors.iter().any(Option::is_some);
+    (has_color(&segments) || has_color(&points)).then_some(Painted { segments, points })
 }
 
 fn load_libraries(

@@ -59,6 +59,19 @@ pub struct Slots<'s> {
 /// A name that applies from a face on: the face's number in the chunk, and the name.
 pub type NameFrom<'a> = (u32, &'a [u8]);
 
+/// A name of a material, with the numbers in the chunk of the face, the segment and the point that follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paint<'a> {
+    /// As in the file.
+    pub name: &'a [u8],
+    /// Number of the next face.
+    pub face: u32,
+    /// Index into [`Chunk::segments`].
+    pub segment: u32,
+    /// Index into [`Chunk::dots`].
+    pub dot: u32,
+}
+
 /// Parsed contents of a chunk.
 #[derive(Debug, Default, PartialEq)]
 pub struct Chunk<'a> {
@@ -67,8 +80,8 @@ pub struct Chunk<'a> {
     /// Red, green, blue, alpha as in the file, one per vertex; empty if none has a colour. Vertices without one have
     /// NaN.
     pub colors: Vec<[f32; 4]>,
-    /// `usemtl`, with the number in the chunk of the face that follows.
-    pub materials: Vec<NameFrom<'a>>,
+    /// `usemtl`
+    pub materials: Vec<Paint<'a>>,
     /// `g`
     pub groups: Vec<NameFrom<'a>>,
     /// `o`
@@ -204,7 +217,10 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words, (seen, to
     match keyword {
         b"" => {}
         _ if keyword.starts_with(b"#") => {}
-        b"usemtl" => chunk.materials.push((next_face, name)),
+        b"usemtl" => {
+            let (segment, dot) = (chunk.segments.len() as u32, chunk.dots.len() as u32);
+            chunk.materials.push(Paint { name, face: next_face, segment, dot });
+        }
         b"g" => chunk.groups.push((next_face, name)),
         b"o" => chunk.objects.push((next_face, name)),
         b"mtllib" => chunk.libraries.push(name),

@@ -149,6 +149,44 @@ fn materials_come_from_the_library_beside_the_model() {
 }
 
 #[test]
+fn lines_and_points_have_the_colors_of_their_materials() {
+    let folder = tempfile::tempdir().unwrap();
+    let library = "newmtl red\nKd 1 0 0\nnewmtl pale\nKd 0 0 1\nd 0.2\nnewmtl plain\n";
+    std::fs::write(folder.path().join("m.mtl"), library).unwrap();
+    let read_text = |text: String| {
+        let mut input = input(text.as_bytes());
+        input.base = Some(folder.path().into());
+        read(&input, &ReadOptions::default()).unwrap()
+    };
+    let m = read_text(format!(
+        "mtllib m.mtl\n{SQUARE}l 1 2\nusemtl red\nl 2 3\nf 1 2 3\nusemtl pale\nusemtl gone\nl 3 4\nusemtl pale\np 4 3\n\
+         usemtl plain\nl 4 1\n"
+    ));
+    // Those of faces only are materials of the mesh.
+    assert_eq!(m.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["red"]);
+    assert_eq!(m.report.warnings, ["found no definition of 1 material: \"gone\""]);
+    let strokes = &m.strokes;
+    let colors = strokes.colors.as_ref().unwrap();
+    let color_and_place = |v: u32| (colors[v as usize], strokes.positions[v as usize]);
+    let of_file = |v: usize| m.mesh.positions[v - 1];
+    let [grey, red, pale] = [[204, 204, 204, 255], [255, 0, 0, 255], [0, 0, 255, 51]];
+    let segments = [(1, 2, grey), (2, 3, red), (3, 4, grey), (4, 1, grey)];
+    assert_eq!(strokes.segments.len(), segments.len());
+    for (segment, (from, to, color)) in strokes.segments.iter().zip(segments) {
+        assert_eq!(segment.map(color_and_place), [from, to].map(|v| (color, of_file(v))));
+    }
+    let points: Vec<_> = strokes.points.iter().map(|&v| color_and_place(v)).collect();
+    assert_eq!(points, [4, 3].map(|v| (pale, of_file(v))));
+    // Vertices with colours keep them, with the opacity of the material.
+    let m = read_text("mtllib m.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0 1 0\nusemtl pale\nl 1 2\n".into());
+    assert_eq!(m.strokes.colors.unwrap(), [[255, 255, 0, 51], [0, 255, 0, 51]]);
+    // Without a defined material they have the colour that the user chooses.
+    for text in ["l 1 2\n", "usemtl gone\nl 1 2\n", "usemtl red\nf 1 2 3\n"] {
+        assert!(read_text(format!("mtllib m.mtl\n{SQUARE}{text}")).strokes.colors.is_none(), "{text}");
+    }
+}
+
+#[test]
 fn the_names_of_libraries_may_be_continued() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.mtl"), "newmtl a\n").unwrap();
