@@ -15,7 +15,7 @@ fn it_is_off_unless_requested_and_does_not_depend_on_how_the_picture_is_drawn() 
     place.run(&format!("{MODEL} -o a.png --ao")).ok_silently();
     assert!(place.read("plain.png") != place.read("a.png"));
     for (i, options) in [
-        "--ao=1 --ao-radius 0.1",
+        "--ao=1 --ao-radius 0.2",
         "--ao --threads 1 --tile-size 8",
         "--ao --ranks 3",
         "--ao --ranks 2 --organisation sort-first",

@@ -48,7 +48,7 @@ pub struct EffectArgs {
     #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
     #[arg(value_parser = values::share)]
     ao: Option<f64>,
-    /// How far surfaces darken each other with --ao, in radii of the model, at most 2 [default: 0.1].
+    /// How far surfaces darken each other with --ao, in radii of the model, at most 2 [default: 0.2].
     #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = radius, requires = "ao")]
     ao_radius: Option<f64>,
     /// Darkens what lies behind something else or slopes away (eye-dome lighting), for dense scans; with a strength of 0 to

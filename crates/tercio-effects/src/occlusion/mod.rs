@@ -39,7 +39,7 @@ pub struct AmbientOcclusion {
 
 impl Default for AmbientOcclusion {
     fn default() -> Self {
-        Self { radius: 0.1, strength: 1.0 }
+        Self { radius: 0.2, strength: 1.0 }
     }
 }
 
