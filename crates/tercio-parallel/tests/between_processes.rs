@@ -265,7 +265,7 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
     let sharing = |change: fn(&mut Sharing)| reported(move |own| change(&mut own.sharing));
     assert_eq!(sharing(|own| own.organisation = Organisation::SortFirst), Some(Matter::Organisation));
     assert_eq!(sharing(|own| own.division = Division::Rows), Some(Matter::Organisation));
-    assert_eq!(sharing(|own| own.composition = Composition::RadixK(3)), Some(Matter::Organisation));
+    assert_eq!(sharing(|own| own.composition = Composition::radix_k(3)), Some(Matter::Organisation));
     // What may differ from machine to machine.
     assert_eq!(reported(|own| own.settings.simd = Some(SimdLevel::available()[0])), None);
     assert_eq!(reported(|own| own.settings.layer_memory = 1), None);

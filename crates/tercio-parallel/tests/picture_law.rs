@@ -270,7 +270,7 @@ fn every_division_and_composition() {
                 draw(Sharing { division, ..Organisation::SortFirst.into() });
                 draw(Sharing { division, ..Organisation::SortMiddle.into() });
             }
-            for composition in Composition::ALL.into_iter().chain([2, 3].map(Composition::RadixK)) {
+            for composition in Composition::ALL.into_iter().chain([2, 3].map(Composition::radix_k)) {
                 draw(Sharing { composition, ..Organisation::SortLast.into() });
                 draw(Sharing { composition, ..Organisation::SortTwice { group: 3 }.into() });
             }
@@ -293,7 +293,7 @@ fn a_thousand_ranks() {
         let ranks = Ranks { count: 1024, threads: 1, sharing: organisation.into() };
         check(&scene, &camera, &settings, ranks, "a thousand ranks");
     }
-    let composition = Composition::RadixK(8);
+    let composition = Composition::radix_k(8);
     let sharing = Sharing { composition, ..Organisation::SortLast.into() };
     check(&scene, &camera, &settings, Ranks { count: 1024, threads: 1, sharing }, "a thousand ranks");
 }
@@ -480,7 +480,7 @@ proptest! {
             Organisation::SortTwice { group },
         ][organisation];
         let composition = match Composition::ALL[composition] {
-            Composition::RadixK(_) => Composition::RadixK(radix),
+            Composition::RadixK(_) => Composition::radix_k(radix),
             composition => composition,
         };
         let sharing = Sharing { organisation, division: Division::ALL[division], composition };

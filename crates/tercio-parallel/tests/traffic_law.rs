@@ -219,7 +219,7 @@ fn sort_last_sends_what_each_composition_moves() {
             let ranks: Vec<usize> =
                 (0..count).filter(|&rank| tiles.iter().any(|&tile| found[rank][tile as usize])).collect();
             let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
-            for composition in Composition::ALL.into_iter().chain([Composition::RadixK(2)]) {
+            for composition in Composition::ALL.into_iter().chain([Composition::radix_k(2)]) {
                 let (mut expected, have) = composited(composition, &shared, &frames);
                 with_pixels +=
                     expected.iter().filter(|(messages, bytes)| *bytes > messages * TRAILER).count();

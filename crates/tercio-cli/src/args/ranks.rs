@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use tercio::image::Destination;
 use tercio::parallel::trace::now;
-use tercio::parallel::{Composition, Division, Organisation, Sharing};
+use tercio::parallel::{Composition, Division, Organisation, Radices, Sharing};
 use tercio_lab::predict::choose::candidates::Limits;
 
 use crate::args::values;
@@ -89,9 +89,10 @@ pub struct RanksArgs {
     /// How pictures are composited: for sort-last, and between the groups of sort-twice [default: direct-send].
     #[arg(long, value_name = "HOW", value_enum)]
     composition: Option<CompositionName>,
-    /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4].
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
-    radix: Option<u32>,
+    /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4]. Of several, as
+    /// in 8,2,2, the first is that of the first round, and the last one that of all further ones, too.
+    #[arg(long, value_name = "K,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
+    radix: Option<Vec<u32>>,
     /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared
     /// model, binary PLY or binary STL), or each has its own: part_{rank}.ply.
     #[arg(long)]
@@ -264,7 +265,13 @@ impl RanksArgs {
     /// The composition, if one is requested.
     fn composition(&self) -> Result<Option<Composition>, UsageError> {
         Ok(match self.composition {
-            Some(CompositionName::RadixK) => Some(Composition::RadixK(self.radix.unwrap_or(4))),
+            Some(CompositionName::RadixK) => match &self.radix {
+                None => Some(Composition::radix_k(4)),
+                Some(radices) => {
+                    let most = || UsageError(format!("--radix: at most {} rounds", Radices::MOST));
+                    Some(Composition::RadixK(Radices::new(radices).ok_or_else(most)?))
+                }
+            },
             _ if self.radix.is_some() => {
                 return Err(UsageError("--radix is for --composition radix-k".into()));
             }
@@ -374,9 +381,12 @@ mod tests {
         let twice = |group| Sharing::from(Organisation::SortTwice { group });
         assert_eq!(sharing("--organisation sort-twice"), Ok(twice(4)));
         assert_eq!(sharing("--organisation sort-twice --group 3"), Ok(twice(3)));
-        let composition = Composition::RadixK(3);
+        let composition = Composition::radix_k(3);
         let last = Sharing { composition, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 3"), Ok(last));
+        let radices = Radices::new(&[8, 2, 2]).expect("radices");
+        let last = Sharing { composition: Composition::RadixK(radices), ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 8,2,2"), Ok(last));
         let last = Sharing { composition: Composition::TwoThreeSwap, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --composition 2-3-swap"), Ok(last));
         let division = Division::Rows;
@@ -395,6 +405,11 @@ mod tests {
             ("--organisation auto --radix 3", "--radix is for"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
             ("--radix 1", "1 is not in 2..=1024"),
+            ("--radix 4,1", "1 is not in 2..=1024"),
+            (
+                "--organisation sort-last --composition radix-k --radix 2,2,2,2,2,2,2,2,2,2,2",
+                "--radix: at most 10 rounds",
+            ),
             ("--organisation sort-twice --group 11", "--group 11: there are 10 ranks"),
             ("--timeout 5", "--timeout is for processes"),
             ("--parts", "--parts is for processes"),
@@ -410,7 +425,7 @@ mod tests {
         let auto = |options: &str| drawers(&format!("--ranks 4 --organisation auto {options}"), None);
         let limits = |limits| Ok(Drawers::InProcess(4, How::Auto(limits)));
         assert_eq!(auto(""), limits(Limits::default()));
-        let (division, composition) = (Some(Division::Rows), Some(Composition::RadixK(3)));
+        let (division, composition) = (Some(Division::Rows), Some(Composition::radix_k(3)));
         assert_eq!(auto("--division rows"), limits(Limits { division, ..Limits::default() }));
         let both = "--division rows --composition radix-k --radix 3 --group 2";
         assert_eq!(auto(both), limits(Limits { group: Some(2), division, composition, all: false }));

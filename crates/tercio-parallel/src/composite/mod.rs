@@ -5,5 +5,5 @@ pub mod packet;
 pub mod strategy;
 mod touched;
 
-pub use strategy::{Composition, Round, Shared};
+pub use strategy::{Composition, Radices, Round, Shared};
 pub use touched::Touched;

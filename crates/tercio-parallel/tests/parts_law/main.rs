@@ -106,7 +106,7 @@ fn every_division_and_composition() {
                 .map(|organisation| Sharing { division, ..organisation.into() })
         });
         let composited =
-            Composition::ALL.into_iter().chain([Composition::RadixK(3)]).flat_map(|composition| {
+            Composition::ALL.into_iter().chain([Composition::radix_k(3)]).flat_map(|composition| {
                 [Organisation::SortLast, Organisation::SortTwice { group: 2 }]
                     .map(|organisation| Sharing { composition, ..organisation.into() })
             });

@@ -92,7 +92,7 @@ impl<'a> Job<'a> {
 
     /// The fastest radix, and its seconds.
     fn radix_k(&self, of: &Shared) -> (u32, f64) {
-        let all = RADICES.map(|radix| (radix, self.composite(of, Composition::RadixK(radix))));
+        let all = RADICES.map(|radix| (radix, self.composite(of, Composition::radix_k(radix))));
         all.into_iter().fold((0, f64::INFINITY), |best, one| if one.1 < best.1 { one } else { best })
     }
 
@@ -129,7 +129,7 @@ mod tests {
             // Each rank sends and blends all pixels but those that it keeps, whatever the radix.
             let pixels = MEGAPIXEL * (1.0 - 1.0 / ranks as f64);
             let expected = pixels * (4.0 / 12.5e6 + 3e-9);
-            for composition in [Composition::BinarySwap, Composition::RadixK(8)] {
+            for composition in [Composition::BinarySwap, Composition::radix_k(8)] {
                 let seconds = job.composite(&of, composition);
                 assert!(
                     (seconds / expected - 1.0).abs() < 1e-9,
@@ -156,7 +156,7 @@ mod tests {
         let swap = job.composite(&of, Composition::BinarySwap);
         assert!((swap - 12.0).abs() < 1e-6, "{swap}");
         // Two rounds of seven.
-        let radix = job.composite(&of, Composition::RadixK(8));
+        let radix = job.composite(&of, Composition::radix_k(8));
         assert!((radix - 2.0 * (7.0 + 1.0)).abs() < 1e-6, "{radix}");
     }
 

@@ -41,7 +41,7 @@ impl Candidate {
                 add(group.map(|group| format!("groups of {group}")));
                 add(division.map(|division| division.to_string()));
                 add(composition.map(|composition| match composition {
-                    Composition::RadixK(radix) => format!("radix-k of {radix}"),
+                    Composition::RadixK(radices) => format!("radix-k of {radices}"),
                     other => other.to_string(),
                 }));
                 add(region.map(|region| format!("tiles of {region} pixels")));

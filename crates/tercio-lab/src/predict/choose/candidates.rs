@@ -1,8 +1,8 @@
 //! The ways to share a frame that are compared.
 
-use tercio_parallel::{Composition, Division, Organisation, Sharing};
+use tercio_parallel::{Composition, Division, Organisation, Radices, Sharing};
 
-use super::compose::{even_groups, sizes};
+use super::compose::even_groups;
 
 /// Above this many ranks fewer candidates are compared, so that choosing does not take longer than it gains.
 pub const MANY: usize = 64;
@@ -122,13 +122,13 @@ impl Limits {
         if ranks > 2 {
             all.push(Composition::BinarySwap);
             let known = |groups: Vec<usize>| {
-                is_usual(&groups) || radices.iter().any(|&radix| sizes(ranks, radix) == groups)
+                is_usual(&groups) || radices.iter().any(|&radix| Radices::same(radix).groups(ranks) == groups)
             };
             if self.all && !even_groups(ranks).is_some_and(known) {
                 all.push(Composition::TwoThreeSwap);
             }
         }
-        all.extend(radices.into_iter().map(Composition::RadixK));
+        all.extend(radices.into_iter().map(Composition::radix_k));
         if self.all && ranks > 2 {
             all.push(Composition::Ring);
         }
@@ -142,7 +142,7 @@ fn radices(ranks: usize, all: bool) -> Vec<u32> {
     let more = if all && ranks <= FEW { 2..ranks as u32 } else { 0..0 };
     let mut found: Vec<(u32, Vec<usize>)> = Vec::new();
     for radix in [4, 8].into_iter().chain(more) {
-        let rounds = sizes(ranks, radix);
+        let rounds = Radices::same(radix).groups(ranks);
         if !is_usual(&rounds) && found.iter().all(|(_, known)| *known != rounds) {
             found.push((radix, rounds));
         }
@@ -194,10 +194,10 @@ mod tests {
         assert_eq!(group_sizes(1024, false), [8, 32, 128]);
     }
 
-    /// Every sharing that the options of `tercio render` can name, for few ranks, except those whose messages are the same.
+    /// Every sharing that the options of `tercio render` can name with one radix, for few ranks, except those whose messages are the same.
     #[test]
     fn all_are_all_that_the_options_can_name() {
-        use Composition::{BinarySwap, DirectSend, RadixK, Ring, Tree, TwoThreeSwap};
+        use Composition::{BinarySwap, DirectSend, Ring, Tree, TwoThreeSwap};
         for ranks in 1..=FEW {
             let all = Limits::ALL.candidates(ranks).expect("there are always some");
             let usual = NONE.candidates(ranks).expect("there are always some");
@@ -210,7 +210,7 @@ mod tests {
                 named.push(Sharing { division, ..Organisation::SortFirst.into() });
                 named.push(Sharing { division, ..Organisation::SortMiddle.into() });
             }
-            let radices = (2..=ranks as u32).map(RadixK);
+            let radices = (2..=ranks as u32).map(Composition::radix_k);
             let compositions = [DirectSend, BinarySwap, TwoThreeSwap, Tree, Ring].into_iter().chain(radices);
             for composition in compositions.clone() {
                 named.push(Sharing { composition, ..Organisation::SortLast.into() });
@@ -266,10 +266,10 @@ mod tests {
     fn no_two_radices_have_the_same_rounds() {
         for ranks in (1..=100).chain([1000, 1024, 4096]) {
             for limits in [NONE, Limits::ALL] {
-                let mut plans = vec![sizes(ranks, ranks as u32), sizes(ranks, 2)];
+                let mut plans = vec![Radices::same((ranks as u32).max(2)).groups(ranks), Radices::same(2).groups(ranks)];
                 plans.retain(|plan| plan.len() < 2 || ranks.is_power_of_two());
                 for radix in radices(ranks, limits.all) {
-                    let plan = sizes(ranks, radix);
+                    let plan = Radices::same(radix).groups(ranks);
                     assert!(
                         !plans.contains(&plan),
                         "{ranks}: radix-{radix} has the groups {plan:?} of another"

@@ -84,7 +84,7 @@ impl SharedTiles {
                 }
                 all
             }
-            Composition::RadixK(radix) => self.in_rounds(&sizes(count, radix), count, stage, steps),
+            Composition::RadixK(radices) => self.in_rounds(&radices.groups(count), count, stage, steps),
             Composition::TwoThreeSwap => self.two_three_swap(count, stage, steps),
             Composition::Tree => self.tree(count, stage, steps),
             // Whatever else there may be is as slow as the slowest.
@@ -273,20 +273,6 @@ pub(super) fn even_groups(count: usize) -> Option<Vec<usize>> {
     joined(count).iter().rev().map(even).collect()
 }
 
-/// The sizes of the groups of radix-k.
-pub(super) fn sizes(mut count: usize, radix: u32) -> Vec<usize> {
-    let mut sizes = Vec::new();
-    while count > 1 {
-        let radix = (radix.max(2) as usize).min(count);
-        let fitting = (2..=radix).rev().find(|&size| count.is_multiple_of(size));
-        let size =
-            fitting.or_else(|| (radix + 1..=count).find(|&size| count.is_multiple_of(size))).unwrap_or(count);
-        sizes.push(size);
-        count /= size;
-    }
-    sizes
-}
-
 #[cfg(test)]
 mod tests {
     use tercio_parallel::composite::{Shared, Touched};
@@ -315,7 +301,7 @@ mod tests {
                 of_rank: vec![[TILES as f64, TILES as f64]; count],
                 ..SharedTiles::default()
             };
-            for composition in [Composition::TwoThreeSwap, Composition::BinarySwap, Composition::RadixK(4)] {
+            for composition in [Composition::TwoThreeSwap, Composition::BinarySwap, Composition::radix_k(4)] {
                 let found = all.composite(composition, &stage, &mut 0).sent;
                 // Of every tile, the fragments that each rank has in each round.
                 let schedules: Vec<_> = places.iter().map(|&p| composition.rounds(&shared, p)).collect();

@@ -7,7 +7,7 @@ use tercio_parallel::{Organisation, Sharing};
 use super::compose::{SharedTile, SharedTiles};
 use super::rates::{BIN_HEAD, BIN_TILE, TILE_HEAD};
 use super::terms::{Load, Stage, Sums, Terms};
-use super::tiles::{Part, Tiles, covered};
+use super::tiles::{Part, Tiles};
 use super::wires::Reach;
 
 /// A picture for candidates with the same tiles and groups.
@@ -66,12 +66,10 @@ impl Grouped<'_> {
         };
 
         let mut in_tile = vec![SharedTile { ranks: 0.0, sum: 0.0, merged: 0.0 }; tiles.load.len()];
-        let mut area = vec![0.0; tiles.load.len()];
         for part in self.parts {
             let tile = &mut in_tile[part.tile as usize];
             tile.ranks += 1.0;
             tile.sum += part.shown;
-            area[part.tile as usize] += part.area;
         }
         let (mut draw, mut sorting, mut bins) = (vec![0.0; ranks], vec![0.0; ranks], vec![0.0; ranks]);
         let mut shared = SharedTiles {
@@ -101,9 +99,8 @@ impl Grouped<'_> {
             direct[2] += tile.sum / tile.ranks;
         }
         let mut composited = 0.0;
-        for ((tile, area), &of_tile) in in_tile.iter_mut().zip(&area).zip(&tiles.pixels) {
+        for (tile, &pixels) in in_tile.iter_mut().zip(&tiles.covered) {
             if tile.ranks >= 2.0 {
-                let pixels = covered(*area, of_tile);
                 tile.merged = if rates.fragments { tile.sum } else { pixels.min(tile.sum) };
                 composited += pixels;
                 shared.tiles.push(*tile);

@@ -2,6 +2,7 @@
 
 use tercio_parallel::division::Division;
 use tercio_raster::context::FrameContext;
+use tercio_raster::screen::PixelRect;
 use tercio_raster::survey::{COVERED_OF_BOX, Effort, Survey};
 
 use super::rates::{BIN_CLUSTER, BIN_TRIANGLE, Rates};
@@ -14,7 +15,7 @@ const LARGE: u32 = 255;
 const DRAWN_HIDDEN: f64 = 0.5;
 /// The share of the box of a cluster in which it shows something, for the pixels that are sent; [`COVERED_OF_BOX`] is that of what
 /// hides others.
-const SHOWN_OF_BOX: f64 = 0.6;
+const SHOWN_OF_BOX: f64 = 0.4;
 /// Fragments at the edges of triangles, for each square root of a pixel and of a triangle that is seen in it.
 const EDGES: f64 = 1.2;
 
@@ -39,6 +40,62 @@ struct Entry {
     bytes: f64,
     /// Seconds of sorting it into the tile.
     sorting: f64,
+    /// Pixels of the tile in which it shows something.
+    shown: f64,
+    /// Where these are in the tile.
+    place: Place,
+}
+
+/// Columns, and rows, of the cells into which a tile is divided to estimate which of its pixels show something: most clusters are
+/// smaller than a tile, and at the outline of a model they lie on one side of it.
+const CELLS: usize = 4;
+
+/// Where in a tile a box is: of each column and each row of cells, the share of the part of the box in the tile, in 255ths.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    columns: [u8; CELLS],
+    rows: [u8; CELLS],
+}
+
+/// What a cluster whose box has these pixels, first and last column and row, shows in a tile: the number of pixels, and where. It is
+/// taken to be in the middle of the box.
+fn shown([x0, x1, y0, y1]: [u32; 4], tile: PixelRect) -> (f64, Place) {
+    let along = |a0: u32, a1: u32, b0: i32, b1: i32| {
+        let inset = (f64::from(a1 - a0) + 1.0) * 0.5 * (1.0 - SHOWN_OF_BOX.sqrt());
+        let (first, end) = (f64::from(b0), f64::from(b1) + 1.0);
+        let (from, to) = ((f64::from(a0) + inset).max(first), (f64::from(a1) + 1.0 - inset).min(end));
+        let size = (end - first) / CELLS as f64;
+        let length = (to - from).max(0.0);
+        let share = |cell: usize| {
+            let start = first + cell as f64 * size;
+            let inside = (to.min(start + size) - from.max(start)).max(0.0);
+            (inside / length.max(1e-9) * 255.0).round() as u8
+        };
+        (length, std::array::from_fn(share))
+    };
+    let (width, columns) = along(x0, x1, tile.x0, tile.x1);
+    let (height, rows) = along(y0, y1, tile.y0, tile.y1);
+    (width * height, Place { columns, rows })
+}
+
+/// Pixels that boxes show in the cells of a tile, each for itself.
+#[derive(Clone, Copy, Default)]
+struct Cells([[f32; CELLS]; CELLS]);
+
+impl Cells {
+    fn add(&mut self, pixels: f64, place: &Place) {
+        let each = (pixels / (255.0 * 255.0)) as f32;
+        for (row, share) in self.0.iter_mut().zip(place.rows) {
+            let of_row = each * f32::from(share);
+            row.iter_mut().zip(place.columns).for_each(|(cell, share)| *cell += of_row * f32::from(share));
+        }
+    }
+
+    /// Pixels that show something, as if what is shown were scattered in each cell.
+    fn covered(&self, of_tile: f64) -> f64 {
+        let of_cell = of_tile / (CELLS * CELLS) as f64;
+        self.0.as_flattened().iter().map(|&area| covered(f64::from(area), of_cell)).sum()
+    }
 }
 
 /// The tiles of a picture, of one size.
@@ -54,6 +111,8 @@ pub struct Tiles {
     pub survey: f64,
     /// Of each rank: seconds of sorting its clusters into tiles; bytes of bins.
     pub sorted: Vec<[f64; 2]>,
+    /// Pixels of each tile that show something.
+    pub covered: Vec<f64>,
     /// By the groups of clusters, then front to back.
     entries: Vec<Entry>,
 }
@@ -67,8 +126,6 @@ pub struct Part {
     pub group: u32,
     /// Triangles that are drawn.
     pub triangles: f64,
-    /// Pixels that its clusters show, each for itself: where they overlap, several times.
-    pub area: f64,
     /// Pixels that show something.
     pub pixels: f64,
     /// Pixels, or fragments if these are composited.
@@ -87,6 +144,7 @@ impl Tiles {
         let tiles = context.grid.count();
         let mut entries = Vec::new();
         let mut sorted = vec![[0.0; 2]; ranks];
+        let mut cells = vec![Cells::default(); tiles];
         survey.visits(context, |seen, visit| {
             let [x0, x1, y0, y1] = seen.rect;
             let [column0, column1, row0, row1] = context.grid.tiles_that_need(seen.rect);
@@ -101,17 +159,22 @@ impl Tiles {
             sorted[rank as usize][0] += sorting;
             sorted[rank as usize][1] += bytes;
             let (triangles, pixels) = (visit.triangles, visit.pixels);
-            entries.push(Entry { tile: visit.tile, rank, triangles, pixels, bytes, sorting });
+            let (shown, place) = shown(seen.rect, context.grid.rect(visit.tile, context.size()));
+            let shown = shown * survey.step;
+            cells[visit.tile as usize].add(shown, &place);
+            entries.push(Entry { tile: visit.tile, rank, triangles, pixels, bytes, sorting, shown, place });
         });
         let pixels = (0..tiles as u32).map(|tile| {
             let rect = context.grid.rect(tile, context.size());
             f64::from(rect.x1 - rect.x0 + 1) * f64::from(rect.y1 - rect.y0 + 1)
         });
+        let pixels: Vec<f64> = pixels.collect();
         let looked_at = looked_at(clusters.into()) as f64;
         let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
         let seconds = looked_at * rates.survey[0] + visits.min(DIVIDED_BY.visits as f64) * rates.survey[1];
         let mut found = Self {
-            pixels: pixels.collect(),
+            covered: cells.iter().zip(&pixels).map(|(cells, &of_tile)| cells.covered(of_tile)).collect(),
+            pixels,
             load: vec![0; tiles],
             clusters: f64::from(clusters),
             survey: seconds,
@@ -188,7 +251,8 @@ struct Sum {
     tile: u32,
     triangles: f64,
     seen: f64,
-    area: f64,
+    shown: f64,
+    cells: Cells,
     hidden: f64,
     bytes: f64,
     sorting: f64,
@@ -199,29 +263,29 @@ impl Sum {
         let seen = if rates.translucent { 1.0 } else { 1.0 - self.hidden };
         self.triangles += entry.triangles * (DRAWN_HIDDEN + (1.0 - DRAWN_HIDDEN) * seen);
         self.seen += entry.triangles * seen;
-        self.area += entry.pixels * SHOWN_OF_BOX;
+        self.shown += entry.shown;
+        self.cells.add(entry.shown, &entry.place);
         self.hidden = (self.hidden + seen * entry.pixels * COVERED_OF_BOX / of_tile).min(1.0);
         self.bytes += entry.bytes;
         self.sorting += entry.sorting;
     }
 
     fn part(&self, group: u32, of_tile: f64, rates: &Rates) -> Part {
-        // As if what the clusters show were scattered in the tile.
-        let pixels = covered(self.area, of_tile);
-        let layers = if rates.translucent { self.area * (COVERED_OF_BOX / SHOWN_OF_BOX) } else { pixels };
+        let pixels = self.cells.covered(of_tile);
+        let layers = if rates.translucent { self.shown * (COVERED_OF_BOX / SHOWN_OF_BOX) } else { pixels };
         let shown = if rates.fragments {
             (layers + EDGES * (layers * self.seen).sqrt()).min(layers * rates.samples)
         } else {
             pixels
         };
-        let Self { tile, triangles, area, bytes: bin_bytes, sorting, .. } = *self;
-        Part { tile, group, triangles, area, pixels, shown, bin_bytes, sorting }
+        let Self { tile, triangles, bytes: bin_bytes, sorting, .. } = *self;
+        Part { tile, group, triangles, pixels, shown, bin_bytes, sorting }
     }
 }
 
-/// Pixels of a tile that are covered by what has so many pixels in all, if it is scattered in the tile.
-pub fn covered(area: f64, of_tile: f64) -> f64 {
-    of_tile * -(-area / of_tile).exp_m1()
+/// Pixels of an area that are covered by what has so many pixels in all, if it is scattered there.
+fn covered(pixels: f64, of_area: f64) -> f64 {
+    of_area * -(-pixels / of_area).exp_m1()
 }
 
 #[cfg(test)]
@@ -240,6 +304,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// What lies in one corner of a tile covers no more than that, however much it is.
+    #[test]
+    fn boxes_cover_the_cells_in_which_they_are() {
+        let tile = PixelRect { x0: 64, x1: 127, y0: 0, y1: 63 };
+        // The middle 12.65 by 12.65 pixels of a box of 20 by 20, of which half the rows are in the tile.
+        let (pixels, place) = shown([70, 89, 54, 73], tile);
+        assert!((pixels - 80.0).abs() < 1e-9, "{pixels}");
+        assert_eq!(place.rows, [0, 0, 0, 255]);
+        assert!(place.columns[0] > 100 && place.columns[1] > 100 && place.columns[2..] == [0, 0]);
+        let mut cells = Cells::default();
+        (0..1000).for_each(|_| cells.add(pixels, &place));
+        assert!((cells.covered(4096.0) - 2.0 * 256.0).abs() < 1.0);
+        // Boxes of the whole tile, and beside it.
+        let (pixels, place) = shown([0, 575, 0, 575], PixelRect { x0: 256, x1: 319, y0: 256, y1: 319 });
+        let mut cells = Cells::default();
+        cells.add(1000.0, &place);
+        assert_eq!(pixels, 4096.0);
+        assert!((cells.covered(4096.0) - covered(1000.0, 4096.0)).abs() < 20.0);
+        assert_eq!(shown([0, 65, 0, 500], tile).0, 0.0);
     }
 
     #[test]

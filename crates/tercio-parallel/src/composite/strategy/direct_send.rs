@@ -27,18 +27,23 @@ impl Strategy for DirectSend {
         vec![Round { sends, receives }]
     }
 
-    /// Each tile to that of its ranks that owns the fewest tiles so far.
+    /// Each tile to that of its ranks that merges the fewest parts of other tiles; those with the most parts first.
     fn owners(&self, shared: &Shared) -> Vec<usize> {
-        let mut owned = vec![0u32; shared.ranks.len()];
-        let owner = |&tile: &u32| {
-            let places =
-                (0..shared.ranks.len()).filter(|&place| shared.touched.is_touched(shared.ranks[place], tile));
-            let Some(least) = places.min_by_key(|&place| owned[place]) else {
+        let places = |tile: u32| {
+            (0..shared.ranks.len()).filter(move |&place| shared.touched.is_touched(shared.ranks[place], tile))
+        };
+        let mut order: Vec<(usize, usize)> =
+            shared.tiles.iter().map(|&tile| places(tile).count()).enumerate().collect();
+        order.sort_by_key(|(_, parts)| std::cmp::Reverse(*parts));
+        let mut merged = vec![0; shared.ranks.len()];
+        let mut owners = vec![0; shared.tiles.len()];
+        for (at, parts) in order {
+            let Some(least) = places(shared.tiles[at]).min_by_key(|&place| merged[place]) else {
                 unreachable!("a shared tile has several ranks")
             };
-            owned[least] += 1;
-            least
-        };
-        shared.tiles.iter().map(owner).collect()
+            merged[least] += parts;
+            owners[at] = least;
+        }
+        owners
     }
 }

@@ -15,6 +15,7 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 
 use super::Touched;
+pub use radix_k::Radices;
 
 /// How ranks composite what they have drawn of the same tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,9 +27,8 @@ pub enum Composition {
     /// In each round two ranks exchange halves of what they have (Ma et al. 1994). What the ranks beyond a power of two have is
     /// sent to others first.
     BinarySwap,
-    /// In each round groups of up to this many ranks, at least 2, exchange parts of what they have, as in direct send (Peterka
-    /// et al. 2009). A number of ranks with larger prime factors has groups of these sizes, too.
-    RadixK(u32),
+    /// In each round groups of ranks exchange parts of what they have, as in direct send (Peterka et al. 2009).
+    RadixK(Radices),
     /// In each round groups of ranks are joined by twos and threes, and their members exchange parts: log2 of the ranks rounds,
     /// rounded down, for any number of ranks (Yu, Wang and Ma 2008).
     TwoThreeSwap,
@@ -41,13 +41,21 @@ pub enum Composition {
 impl Composition {
     /// All of them, one radix.
     pub const ALL: [Self; 6] =
-        [Self::DirectSend, Self::BinarySwap, Self::RadixK(4), Self::TwoThreeSwap, Self::Tree, Self::Ring];
+        [Self::DirectSend, Self::BinarySwap, Self::radix_k(4), Self::TwoThreeSwap, Self::Tree, Self::Ring];
+
+    /// Radix-k with groups of up to this many ranks in every round.
+    ///
+    /// # Panics
+    /// If it is less than 2 or more than 65,535.
+    pub const fn radix_k(radix: u32) -> Self {
+        Self::RadixK(Radices::same(radix))
+    }
 
     fn strategy(self) -> Box<dyn Strategy> {
         match self {
             Self::DirectSend => Box::new(direct_send::DirectSend),
             Self::BinarySwap => Box::new(binary_swap::BinarySwap),
-            Self::RadixK(radix) => Box::new(radix_k::RadixK { radix }),
+            Self::RadixK(radices) => Box::new(radix_k::RadixK { radices }),
             Self::TwoThreeSwap => Box::new(two_three_swap::TwoThreeSwap),
             Self::Tree => Box::new(tree::Tree),
             Self::Ring => Box::new(ring::Ring),
@@ -70,7 +78,7 @@ impl fmt::Display for Composition {
         match self {
             Self::DirectSend => f.write_str("direct-send"),
             Self::BinarySwap => f.write_str("binary-swap"),
-            Self::RadixK(radix) => write!(f, "radix-{radix}"),
+            Self::RadixK(radices) => write!(f, "radix-{radices}"),
             Self::TwoThreeSwap => f.write_str("2-3-swap"),
             Self::Tree => f.write_str("tree"),
             Self::Ring => f.write_str("ring"),
@@ -197,13 +205,14 @@ mod tests {
         #[test]
         fn all_parts_of_a_tile_reach_one_rank(
             of_rank in prop::collection::vec(prop_oneof![Just(0), any::<u64>(), Just(u64::MAX)], 0..40),
-            radix in 2u32..9,
+            radices in prop::collection::vec(2u32..9, 1..4),
         ) {
             let touched = touched(&of_rank);
             let tiles = touched.shared();
             let ranks = touched.ranks_of_any(&tiles);
             let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
-            for composition in Composition::ALL.into_iter().chain([Composition::RadixK(radix)]) {
+            let chosen = Composition::RadixK(Radices::new(&radices).unwrap());
+            for composition in Composition::ALL.into_iter().chain([chosen]) {
                 play(composition, &shared);
             }
         }
@@ -224,12 +233,34 @@ mod tests {
             // Every rank sends (1 - 1/n) of the picture, in n - 1 messages, or in log2 n.
             assert_eq!(sent(Composition::DirectSend), (count * (count - 1), 64 * (count - 1)));
             assert_eq!(sent(Composition::BinarySwap), (count * k, 64 * (count - 1)));
-            assert_eq!(sent(Composition::RadixK(2)), sent(Composition::BinarySwap));
+            assert_eq!(sent(Composition::radix_k(2)), sent(Composition::BinarySwap));
             assert_eq!(sent(Composition::TwoThreeSwap), sent(Composition::BinarySwap));
-            assert_eq!(sent(Composition::RadixK(32)), sent(Composition::DirectSend));
+            assert_eq!(sent(Composition::radix_k(32)), sent(Composition::DirectSend));
             // The whole picture, n - 1 times.
             assert_eq!(sent(Composition::Tree), (count - 1, 64 * (count - 1)));
             assert_eq!(sent(Composition::Ring), (count - 1, 64 * (count - 1)));
+        }
+    }
+
+    /// Of a picture whose middle alone is shared by all ranks, everyone merges about the same.
+    #[test]
+    fn ranks_merge_about_the_same() {
+        const TILES: usize = 4096;
+        let count = 16;
+        // Four ranks everywhere, all of them in the middle third.
+        let is_touched =
+            |rank: usize| move |tile: u32| (1365..2730).contains(&tile) || rank % 4 == tile as usize % 4;
+        let touched = Touched::new(TILES, (0..count).map(is_touched));
+        let (tiles, ranks): (Vec<u32>, Vec<usize>) = (touched.shared(), (0..count).collect());
+        let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+        for composition in [Composition::DirectSend, Composition::BinarySwap, Composition::radix_k(4)] {
+            let mut merged = vec![0; count];
+            for (&tile, owner) in tiles.iter().zip(composition.owners(&shared)) {
+                merged[owner] += touched.ranks_of(tile).count();
+            }
+            let most = merged.iter().copied().max().unwrap_or(0) * count;
+            let all: usize = merged.iter().sum();
+            assert!(most * 10 <= all * 11, "{composition}: {merged:?}");
         }
     }
 
@@ -246,7 +277,7 @@ mod tests {
         // One more for the ranks beyond a power of two.
         assert_eq!([9, 15, 17].map(|n| rounds(Composition::BinarySwap, n)), [4, 4, 5]);
         // 4 * 4, 4 * 3 * 2, 7, 4 * 2.
-        assert_eq!([16, 24, 7, 8].map(|n| rounds(Composition::RadixK(4), n)), [2, 3, 1, 2]);
+        assert_eq!([16, 24, 7, 8].map(|n| rounds(Composition::radix_k(4), n)), [2, 3, 1, 2]);
         assert_eq!([7, 8, 9].map(|n| rounds(Composition::Tree, n)), [3, 3, 4]);
         assert_eq!([3, 7, 8, 15, 16].map(|n| rounds(Composition::TwoThreeSwap, n)), [1, 2, 3, 3, 4]);
     }
