@@ -226,8 +226,9 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
     let held = format!("{before}[processors.exchange-cache]\nvalue = \"1000 GB\"\n{after}");
     std::fs::write(place.path("held.toml"), held).unwrap();
     let predicted = |options: &str| {
-        let of =
-            format!("predict model.off --size 512x512 -n 2 -O sort-last --machine held.toml --quiet {options}");
+        let of = format!(
+            "predict model.off --size 512x512 -n 2 -O sort-last --machine held.toml --quiet {options}"
+        );
         let frame = described(&of);
         let of_rank = |what: &str| frame["prediction"]["ranks"][0][what].as_f64().unwrap();
         (frame["prediction"]["carrier"].clone(), of_rank("message"), of_rank("draw"))

@@ -52,10 +52,11 @@ fn source(text: &str) -> Result<Source, String> {
     match text.split_once(':').map_or((text, None), |(kind, rest)| (kind, Some(rest))) {
         ("gradient", None) => Ok(Source::Gradient(SKY)),
         ("gradient", Some(colors)) => {
-            let colors: Vec<_> = values::between_commas(colors)
-                .into_iter()
-                .map(values::linear_color)
-                .collect::<Result<_, _>>()?;
+            let words = values::between_commas(colors);
+            // Nine words are three colours of three numbers each.
+            let of_each = if words.len() == 9 { 3 } else { 1 };
+            let colors = words.chunks(of_each).map(|words| values::linear_color(&words.join(",")));
+            let colors: Vec<_> = colors.collect::<Result<_, _>>()?;
             let colors =
                 colors.try_into().map_err(|_| "expected gradient:ZENITH,HORIZON,GROUND".to_owned())?;
             Ok(Source::Gradient(colors))
@@ -155,7 +156,19 @@ mod tests {
         let colors = [[1.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
         assert_eq!(source("gradient:#fff,#000,#f00"), Ok(Source::Gradient(colors)));
         assert_eq!(source("sky.hdr"), Ok(Source::File("sky.hdr".into())));
-        for bad in ["", "-", "gradient:", "gradient:#fff", "gradient:#fff,#000,#f00,#f00", "gradient:1,2,3"] {
+        assert_eq!(source("gradient:1,1,1,0,0,0,1,0,0"), Ok(Source::Gradient(colors)));
+        assert_eq!(source("gradient:rgb(255, 255, 255),#000,red"), Ok(Source::Gradient(colors)));
+        for bad in [
+            "",
+            "-",
+            "gradient:",
+            "gradient:#fff",
+            "gradient:#fff,#000,#f00,#f00",
+            "gradient:1,2,3",
+            "gradient:1,1,1,0,0,0,1,0",
+            "gradient:1,1,1,0,0,0,1,0,2",
+            "gradient:red,red,red,red,red,red,red,red,red",
+        ] {
             assert!(source(bad).is_err(), "{bad}");
         }
     }

@@ -266,7 +266,8 @@ mod tests {
     fn no_two_radices_have_the_same_rounds() {
         for ranks in (1..=100).chain([1000, 1024, 4096]) {
             for limits in [NONE, Limits::ALL] {
-                let mut plans = vec![Radices::same((ranks as u32).max(2)).groups(ranks), Radices::same(2).groups(ranks)];
+                let mut plans =
+                    vec![Radices::same((ranks as u32).max(2)).groups(ranks), Radices::same(2).groups(ranks)];
                 plans.retain(|plan| plan.len() < 2 || ranks.is_power_of_two());
                 for radix in radices(ranks, limits.all) {
                     let plan = Radices::same(radix).groups(ranks);
