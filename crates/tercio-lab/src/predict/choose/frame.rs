@@ -219,10 +219,19 @@ impl Divided {
             self.finished[rank] + if is_last { of_composited } else { 0.0 }
         };
         let packing = stage.work((1..ranks).map(|rank| finishes(rank) * rates.collected[0]));
+        // A composited tile has one owner: of many ranks, most may own none.
+        let owning = match sharing.composition {
+            Ring => 1.0,
+            _ => (self.shared.tiles.len() as f64 / ranks as f64).min(1.0),
+        };
         let (mut pixels, mut messages) = (0.0, 0.0);
         for rank in 1..ranks {
             pixels += finishes(rank);
-            messages += f64::from(u8::from(finishes(rank) > 0.0));
+            messages += match (self.finished[rank] > 0.0, finishes(rank) > 0.0) {
+                (true, _) => 1.0,
+                (false, true) => owning,
+                (false, false) => 0.0,
+            };
         }
         let bytes = pixels * rates.finished_bytes;
         // Others have nothing to do now: rank 0 works with one thread.

@@ -183,6 +183,25 @@ fn predicted_bytes_are_about_those_that_are_sent() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// More ranks than tiles: few of them own one and send it to rank 0.
+#[test]
+fn predicted_messages_of_many_ranks_are_about_those_that_are_sent() {
+    let size = (160, 120);
+    let (scene, camera) = made("builtin:gyroid@20k", size);
+    let settings = Settings::one_sample(size.0, size.1);
+    for composition in [Composition::DirectSend, Composition::Tree, Composition::radix_k(8)] {
+        let count = 96;
+        let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+        let limits = Limits { composition: Some(composition), ..Limits::default() };
+        let choice = chosen(&scene, &camera, &settings, job(count, handed_over()), &limits);
+        let candidate = choice.candidates.iter().find(|c| c.sharing == sharing).expect("sort-last");
+        let ranks = Ranks { count, threads: 1, sharing };
+        let (_, report) = in_process::draw(ranks, &scene, &camera, &settings).expect("a frame");
+        let ratio = candidate.sent.messages / report.messages as f64;
+        assert!((0.95..1.05).contains(&ratio), "{sharing:?}: {ratio} of {}", report.messages);
+    }
+}
+
 #[test]
 fn all_ranks_choose_the_same_and_draw_it() {
     let (scene, camera) = made("builtin:teapot@5k", (200, 150));
