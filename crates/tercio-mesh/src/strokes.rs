@@ -16,6 +16,8 @@ pub struct Strokes {
     pub positions: Vec<[f32; 3]>,
     /// sRGB colour and linear alpha, one per vertex.
     pub colors: Option<Vec<[u8; 4]>>,
+    /// Which vertices have no colour of their own although there are `colors`; empty if all have one.
+    pub uncolored: Vec<bool>,
     /// Scalars, one value per vertex.
     pub attributes: Vec<Attribute>,
     /// Two vertex numbers per line segment.
@@ -54,26 +56,27 @@ impl Strokes {
             origin: mesh.origin,
             positions: pick(&mesh.positions, &used),
             colors: mesh.vertex_colors.as_ref().map(|colors| pick(colors, &used)),
+            uncolored: Vec::new(),
             attributes: attributes.collect(),
             segments,
             points,
         }
     }
 
-    /// These lines and points with colours of segments and of points, sRGB and linear alpha, made from their numbers and the colour
-    /// of a vertex: a vertex of elements of several colours becomes several.
+    /// These lines and points with colours of segments and of points, sRGB and linear alpha, or without, made from their numbers and
+    /// the colour of a vertex: a vertex of elements of several colours becomes several. Vertices of no element have no colour.
     pub fn colored(
         mut self,
-        of_segment: impl Fn(usize, Option<[u8; 4]>) -> [u8; 4],
-        of_point: impl Fn(usize, Option<[u8; 4]>) -> [u8; 4],
+        of_segment: impl Fn(usize, Option<[u8; 4]>) -> Option<[u8; 4]>,
+        of_point: impl Fn(usize, Option<[u8; 4]>) -> Option<[u8; 4]>,
     ) -> Self {
-        let before = self.colors.take();
-        let own = |vertex: u32| before.as_ref().map(|colors| colors[vertex as usize]);
+        let (before, uncolored) = (self.colors.take(), std::mem::take(&mut self.uncolored));
+        let own = |vertex: u32| color_of(before.as_deref(), &uncolored, vertex);
         // The first colour of each vertex, and copies of vertices with further ones.
-        let mut firsts: Vec<Option<[u8; 4]>> = vec![None; self.positions.len()];
-        let mut copies: Vec<(u32, [u8; 4])> = Vec::new();
+        let mut firsts: Vec<Option<Option<[u8; 4]>>> = vec![None; self.positions.len()];
+        let mut copies: Vec<(u32, Option<[u8; 4]>)> = Vec::new();
         let mut numbers = HashMap::new();
-        let mut paint = |vertex: &mut u32, color: [u8; 4]| {
+        let mut paint = |vertex: &mut u32, color: Option<[u8; 4]>| {
             let first = &mut firsts[*vertex as usize];
             if *first.get_or_insert(color) != color {
                 let next = (self.positions.len() + copies.len()) as u32;
@@ -89,14 +92,25 @@ impl Strokes {
         for (number, point) in self.points.iter_mut().enumerate() {
             paint(point, of_point(number, own(*point)));
         }
-        let (sources, colors): (Vec<u32>, Vec<[u8; 4]>) = copies.into_iter().unzip();
+        let (sources, colors): (Vec<u32>, Vec<Option<[u8; 4]>>) = copies.into_iter().unzip();
         self.positions.extend(pick(&self.positions, &sources));
         for attribute in &mut self.attributes {
             attribute.values.extend(pick(&attribute.values, &sources));
         }
-        let firsts = firsts.into_iter().map(|first| first.unwrap_or([255; 4]));
-        self.colors = Some(firsts.chain(colors).collect());
+        let all: Vec<Option<[u8; 4]>> = firsts.into_iter().map(Option::flatten).chain(colors).collect();
+        if all.contains(&None) {
+            self.uncolored = all.iter().map(Option::is_none).collect();
+        }
+        self.colors = Some(all.into_iter().map(Option::unwrap_or_default).collect());
         self
+    }
+
+    /// The colour of a vertex, if it has one of its own.
+    ///
+    /// # Panics
+    /// If there are colours, but no such vertex.
+    pub fn color(&self, vertex: u32) -> Option<[u8; 4]> {
+        color_of(self.colors.as_deref(), &self.uncolored, vertex)
     }
 
     /// Position of a vertex in object space.
@@ -116,6 +130,14 @@ impl Strokes {
     }
 }
 
+fn color_of(colors: Option<&[[u8; 4]]>, uncolored: &[bool], vertex: u32) -> Option<[u8; 4]> {
+    let is_colored = |colors: &&[[u8; 4]]| {
+        assert!(colors.len() > vertex as usize, "no such vertex");
+        !uncolored.get(vertex as usize).copied().unwrap_or(false)
+    };
+    colors.filter(is_colored).map(|colors| colors[vertex as usize])
+}
+
 fn pick<T: Copy>(values: &[T], numbers: &[u32]) -> Vec<T> {
     numbers.iter().map(|&number| values[number as usize]).collect()
 }
@@ -133,18 +155,27 @@ mod tests {
         let strokes =
             Strokes { positions, attributes: vec![attribute], segments, points, ..Strokes::default() };
         let [red, blue] = [[255, 0, 0, 255], [0, 0, 255, 128]];
-        let painted = strokes.clone().colored(|n, _| if n == 0 { red } else { blue }, |n, _| [red, blue][n]);
+        let of_segment = |n, _| Some(if n == 0 { red } else { blue });
+        let painted = strokes.clone().colored(of_segment, |n, _| Some([red, blue][n]));
         assert_eq!(painted.segments, [[0, 1], [4, 2], [2, 4]]);
         assert_eq!(painted.points, [1, 5]);
         assert_eq!(painted.positions[4..], [[1.0, 0.0, 0.0], [0.0; 3]]);
         assert_eq!(painted.attributes[0].values, [5.0, 6.0, 7.0, 8.0, 6.0, 5.0]);
-        assert_eq!(painted.colors.as_deref(), Some(&[red, red, blue, [255; 4], blue, blue][..]));
+        let colors = |strokes: &Strokes| [0, 1, 2, 3, 4, 5].map(|v| strokes.color(v));
+        let [some_red, some_blue] = [Some(red), Some(blue)];
+        assert_eq!(colors(&painted), [some_red, some_red, some_blue, None, some_blue, some_blue]);
+        // Some of them without a colour.
+        let painted = strokes.clone().colored(|n, _| (n == 0).then_some(red), |_, _| None);
+        assert_eq!(painted.segments, [[0, 1], [4, 2], [2, 4]]);
+        assert_eq!(painted.points, [4, 5]);
+        assert_eq!(colors(&painted), [some_red, some_red, None, None, None, None]);
         // From the colours of vertices.
         let colors = Some(vec![[1, 2, 3, 200], red, red, red]);
         let whole = Strokes { colors, ..strokes };
-        let half = |_, own: Option<[u8; 4]>| own.map_or(blue, |[r, g, b, a]| [r, g, b, a / 2]);
-        let colors = whole.colored(half, half).colors.unwrap();
-        assert_eq!(colors, [[1, 2, 3, 100], [255, 0, 0, 127], [255, 0, 0, 127], [255; 4]]);
+        let half = |_, own: Option<[u8; 4]>| own.map(|[r, g, b, a]| [r, g, b, a / 2]);
+        let halved = whole.colored(half, half);
+        let half_red = Some([255, 0, 0, 127]);
+        assert_eq!([0, 1, 2, 3].map(|v| halved.color(v)), [Some([1, 2, 3, 100]), half_red, half_red, None]);
     }
 
     #[test]

@@ -72,6 +72,10 @@ fn vertex_between(strokes: &mut Strokes, [a, b]: [u32; 2], share: f64) -> u32 {
             [0, 1, 2, 3].map(|k: usize| mix(f32::from(colors[a][k]), f32::from(colors[b][k])).round() as u8);
         colors.push(color);
     }
+    // Both ends of a line have a colour, or none.
+    if !strokes.uncolored.is_empty() {
+        strokes.uncolored.push(strokes.uncolored[a]);
+    }
     for attribute in &mut strokes.attributes {
         let value = mix(attribute.values[a], attribute.values[b]);
         attribute.values.push(value);
@@ -224,6 +228,7 @@ mod tests {
             attributes: vec![attribute],
             segments: vec![[0, 1], [1, 0], [1, 2], [0, 0]],
             points: vec![0, 1, 2, 3],
+            ..Strokes::default()
         };
         let bounds = Aabb { min: glam::DVec3::X, max: glam::DVec3::new(5.0, 2.0, 0.0) };
         let planes = [Clip::Fraction { axis: Axis::X, fraction: 0.25, keeps_lower: false }];

@@ -232,7 +232,7 @@ impl GlyphOptions {
             let (value, color) = match data {
                 Some(StrokeData::Mapped { values, .. }) => (values[v], None),
                 Some(StrokeData::Direct(colors)) => (f32::NAN, Some(colors[v])),
-                None => (f32::NAN, strokes.colors.as_ref().map(|colors| colors[v])),
+                None => (f32::NAN, strokes.color(v as u32)),
             };
             Candidate {
                 place: to_world.transform_point3(strokes.position(v as u32)),

@@ -33,7 +33,7 @@ const SKY: [[f32; 3]; 3] = [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.
 #[command(next_help_heading = "Drawing")]
 pub struct EnvironmentArgs {
     /// Lights the model from all around, in place of the default lights: gradient, gradient:ZENITH,HORIZON,GROUND with three
-    /// colours, or a panorama file (Radiance HDR, PNG, JPEG, WebP or TIFF; equirectangular, twice as wide as high). Its
+    /// colours (or nine numbers), or a panorama file (Radiance HDR, PNG, JPEG, WebP or TIFF; equirectangular, twice as wide as high). Its
     /// middle is what the front view looks at. Suns and other small sources of light in it cast shadows with --shadows. With
     /// --shading pbr, surfaces mirror it, too. It is not shown as the background.
     #[arg(long, value_name = "WHAT", value_parser = source)]

@@ -28,7 +28,7 @@ pub enum OrganisationName {
     /// Sort-middle in groups of --group ranks, whose pictures are composited.
     SortTwice,
     /// The one that should be the fastest, by a model of the laboratory; -v says why. --group, --division, --composition and
-    /// --radix limit what is compared.
+    /// (for radix-k) --radix limit what is compared.
     Auto,
 }
 
@@ -90,7 +90,7 @@ pub struct RanksArgs {
     #[arg(long, value_name = "HOW", value_enum)]
     composition: Option<CompositionName>,
     /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4]. Of several, as
-    /// in 8,2,2, the first is that of the first round, and the last one that of all further ones, too.
+    /// in 8,2,2, at most 10, the first is that of the first round, and the last one that of all further ones, too.
     #[arg(long, value_name = "K,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
     radix: Option<Vec<u32>>,
     /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared

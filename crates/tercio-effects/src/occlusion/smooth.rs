@@ -263,24 +263,24 @@ impl Smoother<'_> {
         }
     }
 
-    /// The light of those pixels of a row that have no neighbour in their tangent plane.
+    /// The light of those pixels of a row that have no neighbour in their tangent plane. They are not averaged with others: thin
+    /// things would be dashed if each had the directions of one place of the pattern, so each has those of a row of it.
     fn compute_alone(&self, y: usize, light: &mut [f32]) {
-        // By the column of the pattern, which selects their directions.
-        let mut alone: [Vec<usize>; PATTERN] = Default::default();
+        let mut alone = Vec::new();
         for (number, sixteen) in light.as_chunks::<LANES>().0.iter().enumerate() {
             if sixteen.iter().fold(false, |any, &light| any | (light < 0.0)) {
                 let pixels = number * LANES..(number + 1) * LANES;
-                pixels.filter(|&x| light[x] < 0.0).for_each(|x| alone[x % PATTERN].push(x));
+                alone.extend(pixels.filter(|&x| light[x] < 0.0));
             }
         }
-        while alone.iter().any(|pixels| !pixels.is_empty()) {
-            let of_lane: [_; LANES] = std::array::from_fn(|lane| alone[lane % PATTERN].pop());
-            let places = of_lane.map(|x| [x.unwrap_or(usize::MAX), y]);
+        for pixels in alone.chunks(LANES / PATTERN) {
+            // A lane has the directions of its column.
+            let places: [_; LANES] =
+                std::array::from_fn(|lane| [pixels.get(lane / PATTERN).copied().unwrap_or(usize::MAX), y]);
             let found = self.finder.of_pixels(&places, y % PATTERN, self.level);
-            for (x, occlusion) in of_lane.into_iter().zip(found) {
-                if let Some(x) = x {
-                    light[x] = 1.0 - self.strength * occlusion;
-                }
+            for (&x, of_columns) in pixels.iter().zip(found.as_chunks::<PATTERN>().0) {
+                let mean = of_columns.iter().sum::<f32>() / PATTERN as f32;
+                light[x] = 1.0 - self.strength * mean;
             }
         }
     }

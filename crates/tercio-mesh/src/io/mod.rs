@@ -170,7 +170,8 @@ fn count_all(model: &mut ReadModel) {
     }
     let (translucent, warning) = Translucent::count(&mut model.mesh);
     model.report.translucent = translucent;
-    model.report.warnings.extend(warning);
+    let of_strokes = translucent::make_strokes_opaque(&mut model.strokes);
+    model.report.warnings.extend(warning.or(of_strokes));
 }
 
 /// Warns of normals that are missing, zero or not finite. Returns whether no valid one is left.

@@ -4,6 +4,7 @@ use crate::loops::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
+use crate::strokes::Strokes;
 
 /// Counts of what is not opaque. The alpha of the mesh's own colours (of faces, else of vertices) is multiplied by that of
 /// materials.
@@ -72,6 +73,14 @@ impl Unseen {
     }
 }
 
+/// Lines and points that are all invisible become opaque; returns the warning then.
+pub(super) fn make_strokes_opaque(strokes: &mut Strokes) -> Option<String> {
+    let colors =
+        strokes.colors.as_mut().filter(|colors| strokes.uncolored.is_empty() && all_invisible(colors))?;
+    colors.iter_mut().for_each(|color| color[3] = u8::MAX);
+    Some("all lines and points are fully transparent (alpha or opacity 0 everywhere); drawn opaque".into())
+}
+
 fn is_translucent(color: &[u8; 4]) -> bool {
     color[3] < u8::MAX
 }
@@ -100,6 +109,24 @@ mod tests {
         let colors = [[0, 0, 0, 9], [0, 0, 0, 9], [0; 4], [0, 0, 0, 255], [0; 4]];
         assert_eq!(faces_of(&colors, Some(&[0, 0, 1, 2, 5])), 3);
         assert_eq!(faces_of(&colors, None), 4);
+    }
+
+    #[test]
+    fn invisible_lines_and_points_are_not_meant() {
+        let strokes = |colors: &[[u8; 4]]| Strokes {
+            positions: vec![[0.0; 3]; colors.len()],
+            colors: Some(colors.to_vec()),
+            ..Strokes::default()
+        };
+        let mut all = strokes(&[[1, 2, 3, 0], [4, 5, 6, 0]]);
+        assert!(make_strokes_opaque(&mut all).is_some());
+        assert_eq!(all.colors, Some(vec![[1, 2, 3, 255], [4, 5, 6, 255]]));
+        let mut some = strokes(&[[1, 2, 3, 0], [4, 5, 6, 7]]);
+        assert_eq!(make_strokes_opaque(&mut some), None);
+        // One of them has the colour of the user's choice.
+        let mut uncolored = Strokes { uncolored: vec![true, false], ..strokes(&[[0; 4], [1, 2, 3, 0]]) };
+        assert_eq!(make_strokes_opaque(&mut uncolored), None);
+        assert_eq!(uncolored.color(1), Some([1, 2, 3, 0]));
     }
 
     fn counted(alphas: &[u8]) -> (Mesh, Translucent, Option<String>) {

@@ -346,7 +346,7 @@ fn colored(look: Look, data: Option<&StrokeData>) -> Look {
 
 /// The colour of a vertex.
 fn ink(strokes: &Strokes, vertex: u32, pen: &Pen, data: Option<&StrokeData>) -> Ink {
-    let own = strokes.colors.as_ref().map_or(pen.color, |colors| colors[vertex as usize]);
+    let own = strokes.color(vertex).unwrap_or(pen.color);
     data_ink(data, vertex as usize, own)
 }
 

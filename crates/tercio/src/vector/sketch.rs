@@ -98,12 +98,9 @@ impl<'a> Sketch<'a> {
             .iter()
             .map(|segment| segment.map(|v| self.eye.eye_space(place.transform_point3(strokes.position(v)))))
             .collect();
-        let color = |number: usize| match &strokes.colors {
-            None => pen.color,
-            Some(colors) => {
-                let [a, b] = strokes.segments[number].map(|v| colors[v as usize]);
-                [0, 1, 2, 3].map(|k: usize| u16::midpoint(a[k].into(), b[k].into()) as u8)
-            }
+        let color = |number: usize| {
+            let [a, b] = strokes.segments[number].map(|v| strokes.color(v).unwrap_or(pen.color));
+            [0, 1, 2, 3].map(|k: usize| u16::midpoint(a[k].into(), b[k].into()) as u8)
         };
         self.add(&ends, color, pen.width);
     }
@@ -112,9 +109,7 @@ impl<'a> Sketch<'a> {
     pub fn points(&mut self, strokes: &Strokes, place: &DAffine3, shape: PointShape, pen: &Pen) {
         let at = |&v: &u32| self.eye.eye_space(place.transform_point3(strokes.position(v)));
         let places: Vec<_> = strokes.points.iter().map(at).collect();
-        let color = |number: usize| {
-            strokes.colors.as_ref().map_or(pen.color, |colors| colors[strokes.points[number] as usize])
-        };
+        let color = |number: usize| strokes.color(strokes.points[number]).unwrap_or(pen.color);
         let cap = if shape == PointShape::Square { Cap::Square } else { Cap::Round };
         self.dots(&places, cap, color, pen.width);
     }

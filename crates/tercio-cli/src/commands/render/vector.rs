@@ -261,7 +261,7 @@ fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Str
             values.iter().map(|&value| colors.color(colors.full(value))).collect()
         }
     };
-    Cow::Owned(Strokes { colors: Some(colors), ..file.clone() })
+    Cow::Owned(Strokes { colors: Some(colors), uncolored: Vec::new(), ..file.clone() })
 }
 
 /// The colour of the page: white, unless another one is asked for.

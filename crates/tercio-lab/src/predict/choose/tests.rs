@@ -150,7 +150,7 @@ fn choosing_among_many_ranks_takes_few_steps() {
     assert!(few[3] < 4e4 && many[3] < 5e5, "{few:?} {many:?}");
 }
 
-/// Bytes that are predicted are within a factor of 3 of those that ranks send.
+/// Bytes that are predicted are 0.4 to 2.5 times those that ranks send.
 #[test]
 fn predicted_bytes_are_about_those_that_are_sent() {
     let mut wrong = Vec::new();

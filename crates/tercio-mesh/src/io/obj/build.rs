@@ -116,6 +116,10 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     let painted = add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
     let mut strokes = strokes(&mut chunks, &mesh, &mut warnings);
     if let Some(painted) = painted {
+        // Each end may become a vertex of its own, which is looked up by its colour.
+        let ends = 2 * strokes.segments.len() as u64 + strokes.points.len() as u64;
+        let each = 64 + 8 * strokes.attributes.len() as u64;
+        options.check_memory(&input.name, "coloured lines and points", needed + ends * each)?;
         strokes = strokes.colored(
             |number, own| painted.segments.color(number, own),
             |number, own| painted.points.color(number, own),
@@ -312,13 +316,15 @@ struct Paints<'a> {
 
 impl Paints<'_> {
     /// The colour of an element at a vertex with a colour of its own, which then has only the material's opacity, as at the corners
-    /// of faces. Without a material it is that of one that states nothing.
-    fn color(&self, element: usize, own: Option<[u8; 4]>) -> [u8; 4] {
+    /// of faces. Without a material, or with an undefined one, it is that of the vertex, if it has one.
+    fn color(&self, element: usize, own: Option<[u8; 4]>) -> Option<[u8; 4]> {
         let of_material = self.used.of(element).and_then(|name| self.colors[name as usize]);
-        let of_material = of_material.unwrap_or_else(|| flat_color(&FileMaterial::default()));
-        match own {
-            Some([r, g, b, a]) => [r, g, b, (f32::from(a) * f32::from(of_material[3]) / 255.0).round() as u8],
-            None => of_material,
+        let with_opacity = |[r, g, b, a]: [u8; 4], opacity: u8| {
+            [r, g, b, (f32::from(a) * f32::from(opacity) / 255.0).round() as u8]
+        };
+        match (own, of_material) {
+            (Some(own), Some([.., opacity])) => Some(with_opacity(own, opacity)),
+            (own, of_material) => own.or(of_material),
         }
     }
 }

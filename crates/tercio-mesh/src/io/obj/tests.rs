@@ -166,11 +166,11 @@ fn lines_and_points_have_the_colors_of_their_materials() {
     assert_eq!(m.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["red"]);
     assert_eq!(m.report.warnings, ["found no definition of 1 material: \"gone\""]);
     let strokes = &m.strokes;
-    let colors = strokes.colors.as_ref().unwrap();
-    let color_and_place = |v: u32| (colors[v as usize], strokes.positions[v as usize]);
+    let color_and_place = |v: u32| (strokes.color(v), strokes.positions[v as usize]);
     let of_file = |v: usize| m.mesh.positions[v - 1];
-    let [grey, red, pale] = [[204, 204, 204, 255], [255, 0, 0, 255], [0, 0, 255, 51]];
-    let segments = [(1, 2, grey), (2, 3, red), (3, 4, grey), (4, 1, grey)];
+    let [grey, red, pale] = [[204, 204, 204, 255], [255, 0, 0, 255], [0, 0, 255, 51]].map(Some);
+    // The first line has no material, the third one that is not defined, the last one that states no colour.
+    let segments = [(1, 2, None), (2, 3, red), (3, 4, None), (4, 1, grey)];
     assert_eq!(strokes.segments.len(), segments.len());
     for (segment, (from, to, color)) in strokes.segments.iter().zip(segments) {
         assert_eq!(segment.map(color_and_place), [from, to].map(|v| (color, of_file(v))));
@@ -350,7 +350,7 @@ fn memory_is_checked_before_it_is_taken() {
 #[test]
 fn a_file_cut_anywhere_never_panics() {
     let text = format!(
-        "mtllib a b.mtl\n{SQUARE}vt 0 0\nvn 0 0 1\nusemtl a\ng x\nf 1/1/1 2/1/1 3/1/1 \\\n 4/1/1\nf -4//-1 -3//-1 -1//-1\n"
+        "mtllib a b.mtl\n{SQUARE}vt 0 0\nvn 0 0 1\nusemtl a\ng x\nf 1/1/1 2/1/1 3/1/1 \\\n 4/1/1\nf -4//-1 -3//-1 -1//-1\nl 1 2 -1\nusemtl b\np 3 -2\n"
     );
     for n in 0..text.len() {
         let _ = read(&input(&text.as_bytes()[..n]), &ReadOptions::default());
@@ -368,8 +368,11 @@ fn statement() -> impl Strategy<Value = String> {
         2 => (c.clone(), c).prop_map(|(x, y)| format!("vn {x} {y} 1")),
         4 => (i.clone(), i.clone(), i.clone()).prop_map(|(a, b, c)| format!("f {a} {b} {c}")),
         2 => (i.clone(), i.clone(), i.clone(), i.clone()).prop_map(|(a, b, c, d)| format!("f {a} {b} \\\n {c} {d}")),
-        2 => (i.clone(), i.clone(), i).prop_map(|(a, b, c)| format!("f {a}/{b}/{c} {b}/{c}/1 {c}/1/{a}")),
-        1 => "[abc]".prop_map(|n| format!("usemtl {n}")),
+        2 => (i.clone(), i.clone(), i.clone())
+            .prop_map(|(a, b, c)| format!("f {a}/{b}/{c} {b}/{c}/1 {c}/1/{a}")),
+        2 => (i.clone(), i.clone(), i.clone()).prop_map(|(a, b, c)| format!("l {a} {b} {c} x")),
+        2 => (i.clone(), i).prop_map(|(a, b)| format!("p {a} {b}")),
+        2 => "[abc]".prop_map(|n| format!("usemtl {n}")),
         1 => "[abc]".prop_map(|n| format!("g {n}")),
         1 => "[abc]{2}".prop_map(|n| format!("{n} \\")),
     ]
@@ -385,8 +388,12 @@ proptest! {
         for i in 0..11 {
             lines.insert(0, format!("v {i} 0 1\nvt {i} 0\nvn {i} 0 1"));
         }
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("m.mtl"), "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\nd 0.5\n").unwrap();
+        lines.insert(0, "mtllib m.mtl".into());
         let text = lines.join("\n");
-        let input = input(text.as_bytes());
+        let mut input = input(text.as_bytes());
+        input.base = Some(folder.path().into());
         let options = ReadOptions::default();
         let whole = read_chunks(&input, &options, &[text.as_bytes()]);
         let apart = read_chunks(&input, &options, &lines::split(text.as_bytes(), step, |_| ()));
@@ -394,7 +401,7 @@ proptest! {
     }
 
     #[test]
-    fn arbitrary_bytes_never_panic(text in "[vfnt 0-9/\\\\\n#.-]{0,200}") {
+    fn arbitrary_bytes_never_panic(text in "[vfntlp 0-9/\\\\\n#.-]{0,200}") {
         let _ = read(&input(text.as_bytes()), &ReadOptions::default());
     }
 }

@@ -107,6 +107,7 @@ pub fn join(file: &str, mut parts: Vec<Part>, origin: Option<DVec3>) -> Result<R
         origin,
         positions: stroke_positions,
         colors: whole.strokes.colors,
+        uncolored: Vec::new(),
         attributes: whole.strokes.attributes,
         segments: whole.strokes.segments,
         points: whole.strokes.points,

@@ -94,13 +94,17 @@ pub fn part(range: &Range<usize>, number: usize, of: usize) -> Range<usize> {
     at(number)..at(number + 1)
 }
 
-/// The order in which tiles are divided: neighbours get far apart, so that every part of the order has tiles of the whole picture
-/// (bits reversed, as van der Corput's sequence). Otherwise the ranks whose parts are in the middle of the picture would merge most.
-fn interlaced(tiles: usize) -> impl Iterator<Item = usize> {
-    let bits = tiles.next_power_of_two().trailing_zeros();
-    let reversed =
-        move |number: usize| if bits == 0 { 0 } else { number.reverse_bits() >> (usize::BITS - bits) };
-    (0..tiles.next_power_of_two()).map(reversed).filter(move |&number| number < tiles)
+/// The order in which tiles are divided: neighbours in the picture get far apart, so that every part of the order has tiles of the
+/// whole picture. Otherwise the ranks whose parts are in the middle of the picture would merge most. Each step is about the golden
+/// section of the number of tiles, which spreads the rows and columns of a part of any length, whatever the number of columns.
+pub fn interlaced(tiles: usize) -> impl Iterator<Item = usize> {
+    let near = (tiles as f64 * 0.618_034) as usize;
+    let step = (near..).find(|&step| gcd(step, tiles) == 1).unwrap_or(1);
+    (0..tiles).map(move |number| number * step % tiles)
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// The rounds of member `own` of as many as the product of `sizes`. In each round members whose numbers differ in one digit
@@ -166,8 +170,10 @@ mod tests {
 
     #[test]
     fn tiles_are_divided_in_an_order_that_has_each_once() {
-        for tiles in [0, 1, 2, 3, 7, 8, 100, 1023] {
+        for tiles in [0, 1, 2, 3, 7, 8, 100, 256, 1023] {
             let mut order: Vec<usize> = interlaced(tiles).collect();
+            let are_apart = |pair: &[usize]| pair[0].abs_diff(pair[1]) >= tiles / 4;
+            assert!(order.windows(2).all(are_apart), "{tiles}: {order:?}");
             order.sort_unstable();
             assert!(order.into_iter().eq(0..tiles), "{tiles}");
         }

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::radix_k::part;
+use super::radix_k::{interlaced, part};
 use super::{Round, Shared, Strategy};
 
 /// Rounds in which nodes of a tree of ranks are joined by twos and threes.
@@ -93,11 +93,12 @@ fn round(count: usize, height: u32, own: usize, first: usize, tiles: &[u32]) -> 
 
 impl Strategy for TwoThreeSwap {
     fn rounds(&self, shared: &Shared, place: usize) -> Vec<Round> {
+        let order: Vec<u32> = interlaced(shared.tiles.len()).map(|at| shared.tiles[at]).collect();
         let (mut first, mut count) = (0, shared.ranks.len());
         let mut rounds = Vec::new();
         // From the root to the rank: the last round comes first.
         for height in (1..=height(count)).rev() {
-            rounds.push(round(count, height, place - first, first, shared.tiles));
+            rounds.push(round(count, height, place - first, first, &order));
             for size in children(count, height) {
                 if place < first + size {
                     count = size;
@@ -112,9 +113,10 @@ impl Strategy for TwoThreeSwap {
 
     fn owners(&self, shared: &Shared) -> Vec<usize> {
         let (count, tiles) = (shared.ranks.len(), shared.tiles.len());
+        let order: Vec<usize> = interlaced(tiles).collect();
         let mut owners = vec![0; tiles];
         for (number, member) in members(count, height(count)).into_iter().enumerate() {
-            owners[part(&(0..tiles), number, count)].fill(member);
+            order[part(&(0..tiles), number, count)].iter().for_each(|&at| owners[at] = member);
         }
         owners
     }
