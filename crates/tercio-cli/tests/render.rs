@@ -204,7 +204,7 @@ fn statistics_tell_the_look() {
                 "strength": 0.5, "rotation": 0.0,
             },
             "effects": {
-                "exposure": -1.0, "tone": "filmic", "ao": { "strength": 0.5, "radius": 0.1 },
+                "exposure": -1.0, "tone": "filmic", "ao": { "strength": 0.5, "radius": 0.2 },
                 "edl": { "strength": 1.0, "radius": null },
             },
         })

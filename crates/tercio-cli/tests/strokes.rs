@@ -518,3 +518,36 @@ fn categories_of_edges_are_not_interpolated() {
         assert!(!colors.contains(&[255; 3]), "{colors:?}");
     }
 }
+
+/// `--opacity` is that of lines and points, too, and of edges that are drawn alone: as if their colours had it.
+#[test]
+fn opacity_is_that_of_lines_points_and_edges_alone() {
+    let place = Place::new();
+    for (name, opacity) in [("pale", 0.2), ("full", 1.0)] {
+        let text = format!(
+            "mtllib {name}.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv 0 0 0\nusemtl m\nl 1 2 3\np 3\nusemtl none\nl 1 4\n"
+        );
+        fs::write(place.path(&format!("{name}.obj")), text).unwrap();
+        let library = format!("newmtl m\nKd 1 0 0\nd {opacity}\n");
+        fs::write(place.path(&format!("{name}.mtl")), library).unwrap();
+    }
+    let look = "--view front --background white --line-width 9 --point-size 20";
+    let draw = |what: &str| Picture::render(&place, &format!("{what} {look}")).0;
+    let farthest =
+        |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().expect("a picture");
+    let [pale, full, faded] = ["pale.obj", "full.obj", "full.obj --opacity 0.2"].map(draw);
+    // Lines and points with a material are on the right; the line without one has the usual colour, which only --opacity fades.
+    let right: Vec<usize> = (0..WIDTH * HEIGHT).filter(|at| at % WIDTH > WIDTH / 2 + 20).collect();
+    let of =
+        |picture: &[u8]| -> Vec<u8> { right.iter().flat_map(|at| picture[3 * at..][..3].to_vec()).collect() };
+    assert!(farthest(&of(&full), &of(&pale)) > 100 && farthest(&of(&faded), &of(&pale)) <= 1);
+    let usual = 3 * ((HEIGHT / 2 + 15) * WIDTH + WIDTH / 2 - 15);
+    assert!([&pale, &full].iter().all(|picture| picture[usual] < 100) && faded[usual] > 180);
+    let model = "builtin:sphere@200 --mode wireframe";
+    let [by_color, by_opacity] =
+        ["--edge-color #20242833", "--opacity 0.2"].map(|options| draw(&format!("{model} {options}")));
+    assert!(farthest(&by_color, &by_opacity) <= 1 && by_color.iter().any(|&level| level < 250));
+    place.run("render full.obj --opacity 0.2 --view front -o a.svg -q").ok_silently();
+    let drawing = String::from_utf8(place.read("a.svg")).unwrap();
+    assert!(drawing.contains("stroke-opacity=\"0.2\""), "{drawing}");
+}

@@ -109,7 +109,7 @@ pub struct DrawingArgs {
     /// Draws everything in --color, whatever colours, materials and textures the model has.
     #[arg(long)]
     no_mesh_colors: bool,
-    /// Opacity of the model's surfaces, 0 to 1; lines and points have that of their colours.
+    /// Opacity of the model, 0 to 1: of its surfaces, lines and points. That of edges on a surface is the alpha of --edge-color.
     ///
     /// What it covers shines through, in linear light and in the right order, however many layers there are. The alpha of the
     /// model's colours and materials is drawn without this option, too, unless --color-by takes their place.

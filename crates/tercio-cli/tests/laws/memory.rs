@@ -6,7 +6,7 @@ use std::process::Child;
 
 use nix::errno::Errno;
 use nix::sys::ptrace;
-use nix::sys::wait::{WaitStatus, waitpid};
+use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid, waitpid};
 use nix::unistd::Pid;
 
 /// Memory of a process in bytes.
@@ -39,6 +39,12 @@ pub fn until_end(child: &Child) -> Option<Memory> {
         seized => seized.expect("the right to watch a program that this one has started"),
     }
     loop {
+        let peek = WaitPidFlag::WEXITED | WaitPidFlag::WSTOPPED | WaitPidFlag::WNOWAIT;
+        match waitid(Id::Pid(pid), peek).expect("a process that is watched") {
+            // It was about to end when it began to be watched; whoever started it waits for it.
+            WaitStatus::Exited(..) | WaitStatus::Signaled(..) => return None,
+            _ => {}
+        }
         match waitpid(pid, None).expect("a process that is watched") {
             WaitStatus::PtraceEvent(..) => {
                 let memory = count(pid);
@@ -46,7 +52,6 @@ pub fn until_end(child: &Child) -> Option<Memory> {
                 return Some(memory);
             }
             WaitStatus::Stopped(_, signal) => ptrace::cont(pid, signal).expect("a process that is watched"),
-            WaitStatus::Exited(..) | WaitStatus::Signaled(..) => panic!("{pid} ended without a stop"),
             _ => {}
         }
     }

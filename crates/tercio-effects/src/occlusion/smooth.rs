@@ -263,8 +263,8 @@ impl Smoother<'_> {
         }
     }
 
-    /// The light of those pixels of a row that have no neighbour in their tangent plane. They are not averaged with others: thin
-    /// things would be dashed if each had the directions of one place of the pattern, so each has those of a row of it.
+    /// The light of those pixels of a row that have no neighbour in their tangent plane. They are not averaged with others: so
+    /// that they have less noise, each has the directions of a row of the pattern.
     fn compute_alone(&self, y: usize, light: &mut [f32]) {
         let mut alone = Vec::new();
         for (number, sixteen) in light.as_chunks::<LANES>().0.iter().enumerate() {

@@ -200,6 +200,8 @@ impl Render {
                 });
             }
         }
+        // Edges on a surface have the alpha of their colour only.
+        let first_of_model = if self.strokes.has_surface() { drawn.len() } else { 0 };
         let pens = self.strokes.pens(self.drawing.color(), is_darkened);
         if self.strokes.has_vertices() {
             for instance in instances {
@@ -210,6 +212,8 @@ impl Render {
             drawn.extend(strokes::lines(eye, (file, place), line_shape, &pens.lines, data.as_ref()));
             drawn.extend(strokes::points(eye, (file, place), shape, &pens.points, data.as_ref()));
         }
+        let opacity = self.drawing.surface().opacity;
+        drawn[first_of_model..].iter_mut().for_each(|instance| instance.surface.opacity = opacity);
         for glyphs in glyphs {
             drawn.extend(glyphs::draw(eye, glyphs, &self.strokes.glyph_pen()));
         }

@@ -12,7 +12,7 @@ use tercio::mesh::strokes::Strokes;
 use tercio::raster::{Frame, Sampling};
 use tercio::scene::color_map::Isolines;
 use tercio::scene::{Background, Camera, DataColors, Instance, Scene, SurfaceData};
-use tercio::strokes::{EdgePart, Eye, Length};
+use tercio::strokes::{EdgePart, Eye, Length, Pen};
 use tercio::vector::{Hiders, Page, Sketch, areas};
 
 use super::members::OfModel;
@@ -201,14 +201,21 @@ impl Render {
             instances.for_each(|instance| self.add_contours(sketch, instance));
         }
         let Drawable { file, data, edges, .. } = &of_model.drawable;
-        let file = &*in_colors_of(data.as_ref(), file);
+        let opacity = self.drawing.surface().opacity;
+        let file = &*faded(in_colors_of(data.as_ref(), file), opacity);
         let pens = self.strokes.pens(self.drawing.color(), false);
+        let [lines, points] =
+            [pens.lines, pens.points].map(|pen| Pen { color: fade(pen.color, opacity), ..pen });
+        let mut edge_pen = self.strokes.edge_pen();
+        if !self.strokes.has_surface() {
+            edge_pen.color = fade(edge_pen.color, opacity);
+        }
         for place in &of_model.places {
             for (edges, part) in edges {
-                sketch.edges(edges, place, &self.strokes.edge_pen(), *part != EdgePart::All);
+                sketch.edges(edges, place, &edge_pen, *part != EdgePart::All);
             }
-            sketch.lines(file, place, &pens.lines);
-            sketch.points(file, place, self.strokes.shape(), &pens.points);
+            sketch.lines(file, place, &lines);
+            sketch.points(file, place, self.strokes.shape(), &points);
         }
     }
 
@@ -262,6 +269,21 @@ fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Str
         }
     };
     Cow::Owned(Strokes { colors: Some(colors), uncolored: Vec::new(), ..file.clone() })
+}
+
+/// Lines and points whose colours have this opacity in addition.
+fn faded(mut file: Cow<Strokes>, opacity: f32) -> Cow<Strokes> {
+    if opacity < 1.0
+        && file.colors.is_some()
+        && let Some(colors) = &mut file.to_mut().colors
+    {
+        colors.iter_mut().for_each(|color| *color = fade(*color, opacity));
+    }
+    file
+}
+
+fn fade([r, g, b, a]: [u8; 4], opacity: f32) -> [u8; 4] {
+    [r, g, b, (f32::from(a) * opacity).round() as u8]
 }
 
 /// The colour of the page: white, unless another one is asked for.
