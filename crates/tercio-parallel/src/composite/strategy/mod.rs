@@ -242,6 +242,9 @@ mod tests {
         }
     }
 
+    /// Whether a tile belongs to it.
+    type Shape = Box<dyn Fn(u32) -> bool>;
+
     /// Ranks merge about the same where a part of the picture alone is shared by all of them: everywhere else there are four each.
     #[test]
     fn ranks_merge_about_the_same() {
@@ -249,7 +252,7 @@ mod tests {
             let at = move |tile: u32| {
                 [tile % columns, tile / columns].map(|k| (f64::from(k) + 0.5) / f64::from(columns) - 0.5)
             };
-            let shapes: [(&str, Box<dyn Fn(u32) -> bool>); 4] = [
+            let shapes: [(&str, Shape); 4] = [
                 ("an upright bar", Box::new(move |tile| at(tile)[0].abs() < 0.15)),
                 ("a bar across", Box::new(move |tile| at(tile)[1].abs() < 0.15)),
                 ("a disc", Box::new(move |tile| at(tile)[0].hypot(at(tile)[1]) < 0.3)),
