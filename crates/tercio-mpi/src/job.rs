@@ -60,7 +60,9 @@ pub fn run<T, E: From<CommError>>(
         }
         Err(_) => {
             // The panic has printed its message and location.
-            eprintln!("error: rank {rank} panicked");
+            // In one piece: what mpirun says meanwhile would come between the words.
+            let line = format!("error: rank {rank} panicked\n");
+            eprint!("{line}");
             comm.abort(FAILURE);
         }
     };

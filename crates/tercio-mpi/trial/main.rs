@@ -33,7 +33,11 @@ fn main() -> ExitCode {
         eprintln!("expected one of {}", TRIALS.map(|t| t.0).join(", "));
         return ExitCode::from(2);
     };
-    let tell = |rank, error| eprintln!("error: rank {rank}: {error}");
+    // In one piece: what mpirun says meanwhile would come between the words.
+    let tell = |rank, error| {
+        let line = format!("error: rank {rank}: {error}\n");
+        eprint!("{line}");
+    };
     let work = |comm: &mut MpiComm| trial(comm).map(|()| comm.rank());
     match run(work, tell) {
         Ok(0) => println!("passed"),

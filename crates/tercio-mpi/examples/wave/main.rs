@@ -66,7 +66,11 @@ fn main() -> tercio::Result<()> {
 /// Runs this process's rank of a job; if it fails, all processes end.
 #[cfg(feature = "mpi")]
 fn over_mpi(options: &Options) -> tercio::Result<()> {
-    let tell = |rank: usize, error: tercio::Error| eprintln!("error: rank {rank}: {error}");
+    // In one piece: what mpirun says meanwhile would come between the words.
+    let tell = |rank: usize, error: tercio::Error| {
+        let line = format!("error: rank {rank}: {error}\n");
+        eprint!("{line}");
+    };
     tercio_mpi::run(|comm| simulate(comm, options), tell).map_err(|error| std::io::Error::other(error).into())
 }
 
