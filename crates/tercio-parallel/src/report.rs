@@ -7,7 +7,7 @@ use tercio_raster::stats::{BackEndCounts, FrontEndCounts, StageTimes};
 use tercio_raster::{FrameStats, Settings};
 
 use crate::comm::{Kind, PartnerTraffic, Traffic};
-use crate::composite::Composition;
+use crate::composite::{Composition, Encoding};
 use crate::division::Division;
 use crate::organisation::{Organisation, Sharing};
 use crate::trace::{Span, Step, Timeline, now};
@@ -181,6 +181,8 @@ pub struct FrameReport {
     pub division: Option<Division>,
     /// How pixels were composited, if they were.
     pub composition: Option<Composition>,
+    /// Which pixels were sent to be composited.
+    pub encoding: Option<Encoding>,
     /// Pixels along the edge of a tile.
     pub region: u32,
     /// Milliseconds from the beginning of the first rank until the picture was complete on rank 0.
@@ -207,16 +209,18 @@ impl FrameReport {
         let samples = settings.sampling.pattern.count() as u64;
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
-        let Sharing { organisation, division, composition } = sharing;
+        let Sharing { organisation, division, composition, encoding } = sharing;
         let count = ranks.len();
         let group = matches!(organisation, Organisation::SortTwice { .. }).then(|| organisation.group(count));
         let division = (organisation.group(count) > 1).then_some(division);
-        let composition = organisation.composites(count).then_some(composition);
+        let composites = organisation.composites(count);
+        let (composition, encoding) = (composites.then_some(composition), composites.then_some(encoding));
         Self {
             organisation,
             group,
             division,
             composition,
+            encoding,
             region,
             milliseconds,
             messages,

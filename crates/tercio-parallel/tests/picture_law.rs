@@ -7,7 +7,9 @@ use proptest::prelude::*;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::in_process::draw;
-use tercio_parallel::{Composition, Division, FrameReport, Organisation, RankReport, Ranks, Sharing};
+use tercio_parallel::{
+    Composition, Division, Encoding, FrameReport, Organisation, RankReport, Ranks, Sharing,
+};
 use tercio_raster::{
     Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
     Sorting,
@@ -273,6 +275,11 @@ fn every_division_and_composition() {
             for composition in Composition::ALL.into_iter().chain([2, 3].map(Composition::radix_k)) {
                 draw(Sharing { composition, ..Organisation::SortLast.into() });
                 draw(Sharing { composition, ..Organisation::SortTwice { group: 3 }.into() });
+                if settings.sampling.pattern.count() == 1 {
+                    let encoding = Encoding::Dense;
+                    draw(Sharing { composition, encoding, ..Organisation::SortLast.into() });
+                    draw(Sharing { composition, encoding, ..Organisation::SortTwice { group: 3 }.into() });
+                }
             }
         }
     }
@@ -445,6 +452,7 @@ proptest! {
         (planes, samples, tent, by_sample) in (0u32..128, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
         (division, composition, radix) in (0..Division::ALL.len(), 0..Composition::ALL.len(), 2u32..6),
+        dense in any::<bool>(),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
@@ -483,7 +491,9 @@ proptest! {
             Composition::RadixK(_) => Composition::radix_k(radix),
             composition => composition,
         };
-        let sharing = Sharing { organisation, division: Division::ALL[division], composition };
+        let is_sparse = scene.instances[0].is_translucent() || settings.sampling.pattern.count() > 1;
+        let encoding = if dense && !is_sparse { Encoding::Dense } else { Encoding::Sparse };
+        let sharing = Sharing { organisation, division: Division::ALL[division], composition, encoding };
         let camera = camera(&scene, radii, orthographic);
         check(&scene, &camera, &settings, Ranks { count, threads, sharing }, model);
     }

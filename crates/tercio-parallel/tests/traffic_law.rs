@@ -10,7 +10,7 @@ use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::comm::Kind;
 use tercio_parallel::composite::{Shared, Touched};
 use tercio_parallel::in_process::draw;
-use tercio_parallel::{Composition, Division, FrameReport, Organisation, Ranks, Sharing};
+use tercio_parallel::{Composition, Division, Encoding, FrameReport, Organisation, Ranks, Sharing};
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
 use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
@@ -249,6 +249,56 @@ fn sort_last_sends_what_each_composition_moves() {
         }
     }
     assert!(with_pixels > 100, "{with_pixels} ranks send pixels");
+}
+
+/// Of dense encoding, what is sent depends on the size of the picture and the number of ranks alone: each message has every
+/// pixel of its tiles, 12 bytes each, heads of rows and tiles beside them.
+#[test]
+fn dense_encoding_sends_every_pixel() {
+    let tile_bytes = |tile: u32| 12 + bytes(&pixels(tile, |_| true), 12);
+    let picture: u64 = (0..TILES as u32).map(tile_bytes).sum();
+    for model in MODELS {
+        let (scene, camera) = made(model);
+        for count in [2, 3, 4, 8] {
+            let found = vec![vec![true; TILES]; count];
+            let touched = Touched::new(TILES, found.iter().map(|found| |tile: u32| found[tile as usize]));
+            let (tiles, ranks): (Vec<u32>, Vec<usize>) = ((0..TILES as u32).collect(), (0..count).collect());
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            for composition in Composition::ALL {
+                let sharing =
+                    Sharing { composition, encoding: Encoding::Dense, ..Organisation::SortLast.into() };
+                let report = report(&scene, &camera, count, sharing);
+                let of_pixels = |(kind, traffic): (Kind, _)| (kind == Kind::Pixels).then_some(traffic);
+                let traffic = report.by_kind().into_iter().find_map(of_pixels).expect("ranks composite");
+                let rounds = |place| composition.rounds(&shared, place);
+                let sends: Vec<(usize, Vec<u32>)> =
+                    (0..count).flat_map(rounds).flat_map(|round| round.sends).collect();
+                let contents: u64 =
+                    sends.iter().flat_map(|(_, tiles)| tiles).map(|&tile| tile_bytes(tile)).sum();
+                let messages = sends.len() as u64;
+                let what = format!("{model}, {count} ranks, {composition}");
+                assert_eq!(traffic.sent_messages, messages, "{what}");
+                assert_eq!(traffic.sent_bytes, contents + messages * TRAILER, "{what}");
+                if composition == Composition::DirectSend {
+                    // Each rank keeps what it owns, and all own the picture together.
+                    assert_eq!(contents, (count as u64 - 1) * picture, "{what}");
+                }
+                assert_eq!(report.encoding, Some(Encoding::Dense));
+            }
+        }
+    }
+}
+
+#[test]
+fn fragments_are_not_sent_dense() {
+    let (scene, camera) = made("builtin:teapot@3k");
+    let settings = Settings::new(64, 48);
+    let sharing = Sharing { encoding: Encoding::Dense, ..Organisation::SortLast.into() };
+    let drawn = |count| draw(Ranks { count, threads: 1, sharing }, &scene, &camera, &settings);
+    let error = drawn(2).unwrap_err().to_string();
+    assert!(error.contains("encoding of pixels") && error.contains("fragments"), "{error}");
+    // A single rank composites nothing.
+    assert!(drawn(1).is_ok());
 }
 
 /// Dense direct send sends 12 bytes of every pixel that a rank does not own. Compositing sends little more than that for each pixel

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use tercio::image::Destination;
 use tercio::parallel::trace::now;
-use tercio::parallel::{Composition, Division, Organisation, Radices, Sharing};
+use tercio::parallel::{Composition, Division, Encoding, Organisation, Radices, Sharing};
 use tercio_lab::predict::choose::candidates::Limits;
 
 use crate::args::values;
@@ -67,6 +67,15 @@ pub enum CompositionName {
     Ring,
 }
 
+/// Which pixels are sent to be composited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EncodingName {
+    /// Those in which something is drawn.
+    Sparse,
+    /// All of them, whatever is drawn, as a baseline to compare with.
+    Dense,
+}
+
 /// Ranks.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
@@ -93,6 +102,10 @@ pub struct RanksArgs {
     /// in 8,2,2, at most 10, the first is that of the first round, and the last one that of all further ones, too.
     #[arg(long, value_name = "K,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
     radix: Option<Vec<u32>>,
+    /// Which pixels are sent to be composited: for sort-last, and between the groups of sort-twice, with --aa 1 and nothing
+    /// translucent [default: sparse].
+    #[arg(long, value_name = "WHICH", value_enum)]
+    encoding: Option<EncodingName>,
     /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared
     /// model, binary PLY or binary STL), or each has its own: part_{rank}.ply.
     #[arg(long)]
@@ -177,6 +190,7 @@ impl RanksArgs {
             (self.division.is_some(), "--division"),
             (self.composition.is_some(), "--composition"),
             (self.radix.is_some(), "--radix"),
+            (self.encoding.is_some(), "--encoding"),
             (self.parts, "--parts"),
             (self.timeout.is_some(), "--timeout"),
         ]
@@ -235,6 +249,11 @@ impl RanksArgs {
                     "--organisation auto counts whole models: with --parts, name an organisation".into(),
                 ));
             }
+            OrganisationName::Auto if self.encoding == Some(EncodingName::Dense) => {
+                return Err(UsageError(
+                    "--organisation auto predicts --encoding sparse: with dense, name an organisation".into(),
+                ));
+            }
             OrganisationName::Auto => {
                 let composition = self.composition()?;
                 let limits = Limits { group: self.group, division, composition, all: false };
@@ -253,13 +272,20 @@ impl RanksArgs {
             return unused("--division", "does not divide the picture");
         }
         let composites = is_twice || organisation == Organisation::SortLast;
-        let of_composition =
-            [(self.composition.is_some(), "--composition"), (self.radix.is_some(), "--radix")];
+        let of_composition = [
+            (self.composition.is_some(), "--composition"),
+            (self.radix.is_some(), "--radix"),
+            (self.encoding.is_some(), "--encoding"),
+        ];
         if let Some((_, option)) = of_composition.into_iter().find(|(is_given, _)| *is_given && !composites) {
             return unused(option, "does not composite pictures");
         }
         let (division, composition) = (division.unwrap_or_default(), self.composition()?.unwrap_or_default());
-        Ok(How::As(Sharing { organisation, division, composition }))
+        let encoding = match self.encoding {
+            None | Some(EncodingName::Sparse) => Encoding::Sparse,
+            Some(EncodingName::Dense) => Encoding::Dense,
+        };
+        Ok(How::As(Sharing { organisation, division, composition, encoding }))
     }
 
     /// The composition, if one is requested.
@@ -365,6 +391,7 @@ mod tests {
             "--division rows",
             "--composition tree",
             "--radix 4",
+            "--encoding dense",
         ] {
             let error = drawers(option, None).unwrap_err();
             assert!(error.contains("--ranks") && error.starts_with(&option[..7]), "{error}");
@@ -389,6 +416,8 @@ mod tests {
         assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 8,2,2"), Ok(last));
         let last = Sharing { composition: Composition::TwoThreeSwap, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --composition 2-3-swap"), Ok(last));
+        let last = Sharing { encoding: Encoding::Dense, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --encoding dense"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
@@ -401,6 +430,8 @@ mod tests {
                 "--composition: sort-first does not composite",
             ),
             ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
+            ("--organisation sort-first --encoding dense", "--encoding: sort-first does not composite"),
+            ("--organisation auto --encoding dense", "name an organisation"),
             ("--organisation auto --group 11", "--group 11: there are 10 ranks"),
             ("--organisation auto --radix 3", "--radix is for"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),

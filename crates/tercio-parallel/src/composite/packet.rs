@@ -1,7 +1,7 @@
 //! Pixels, packed into bytes.
 //!
 //! A packet is a sequence of spans, whose number follows from its length. A span is a maximal run of pixels that show
-//! something, in a row of one tile: the row-major index of the first pixel in the picture (4 bytes); the number of pixels
+//! something, or, if all pixels are sent, any pixels, in a row of one tile: the row-major index of the first pixel in the picture (4 bytes); the number of pixels
 //! (2 bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, linear colour, ids, normals,
 //! each if it is sent. Numbers have the byte order of the machine.
 
@@ -64,6 +64,14 @@ pub fn pack_drawn(frame: &Frame, tile: PixelRect, planes: &Outputs, out: &mut Ve
         }
     }
     pixels
+}
+
+/// Appends all pixels of a tile, one span a row. The frame has keys, which are 0 where nothing is drawn, and the planes that are
+/// sent.
+pub fn pack_all(frame: &Frame, tile: PixelRect, planes: &Outputs, out: &mut Vec<u8>) {
+    for (first, end) in rows(frame, tile) {
+        put_span(frame, first, end - first, planes, out);
+    }
 }
 
 /// Appends the pixels of a tile that differ from the background in any of the planes that are sent. `background` has the pixel
@@ -181,6 +189,34 @@ pub fn without_keys(bytes: &[u8], planes: &Outputs, out: &mut Vec<u8>) -> Result
         pixels += count as u64;
     }
     Ok(pixels)
+}
+
+/// A packet without the pixels in which nothing is drawn, whose keys are 0: what [`pack_drawn`] gives.
+///
+/// # Errors
+/// [`PacketError`].
+pub fn only_drawn(bytes: &[u8], planes: &Outputs) -> Result<Vec<u8>, PacketError> {
+    let mut out = Vec::new();
+    for span in spans(bytes, planes, usize::MAX) {
+        let Span { first, count, samples } = span?;
+        let keys: Vec<u64> = samples[..count * KEY].chunks_exact(KEY).map(pod_read_unaligned).collect();
+        let mut at = 0;
+        for run in keys.chunk_by(|a, b| (*a == 0) == (*b == 0)) {
+            let begin = at;
+            at += run.len();
+            if run[0] == 0 {
+                continue;
+            }
+            put_head(first + begin, run.len(), &mut out);
+            let mut plane = 0;
+            for bytes in planes.plane_bytes() {
+                let of_run = plane + begin * bytes..plane + at * bytes;
+                out.extend_from_slice(&samples[of_run]);
+                plane += count * bytes;
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// Writes the pixels of a packet into a frame that has the planes that are sent.

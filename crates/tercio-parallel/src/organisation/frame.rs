@@ -8,17 +8,19 @@ use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
 use tercio_raster::stats::FrontEndCounts;
-use tercio_raster::{Frame, FrameStats, Outputs, Part, SampleShading, Settings, TileSet};
+use tercio_raster::{Frame, FrameStats, Outputs, Part, RenderError, SampleShading, Settings, TileSet};
 
 use super::collect::{self, Finished};
 use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
-use super::{Organisation, Rank, Task, clusters, clusters_of, divided, group_of, is_translucent, tile_edge};
+use super::{
+    Organisation, Rank, Sharing, Task, clusters, clusters_of, divided, group_of, is_translucent, tile_edge,
+};
 use crate::comm::{Communicator, Group, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
-use crate::composite::packet::pack_drawn;
-use crate::composite::{Shared, Touched};
+use crate::composite::packet::{only_drawn, pack_all, pack_drawn};
+use crate::composite::{Encoding, Shared, Touched};
 use crate::division::tiles_of;
 use crate::{ParallelError, RankReport};
 
@@ -49,6 +51,16 @@ fn draw_steps(
     let in_parts = scene.is_in_parts();
     let shares_clusters = sharing.organisation != Organisation::SortFirst && !in_parts;
     let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
+    let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
+    if has_fragments && sharing.encoding == Encoding::Dense && sharing.organisation.composites(size) {
+        return Err(RenderError::Setting {
+            what: "encoding of pixels",
+            range: "sparse: of several samples per pixel, or anything translucent, fragments are composited"
+                .into(),
+            value: sharing.encoding.to_string(),
+        }
+        .into());
+    }
     let threads = rayon::current_num_threads();
     let tile_size = Some(tile_edge(scene, settings, sharing.organisation, size));
     let whole = Settings { clusters: part, tiles: TileSet::ALL, tile_size, ..settings.clone() };
@@ -85,7 +97,9 @@ fn draw_steps(
         redistribute(&mut Group::new(comm, members.clone()), &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
-    let own_touched: Vec<u32> = own_tiles.numbers(tiles).filter(|&tile| sorted_into.contains(tile)).collect();
+    let sends_all = sharing.encoding == Encoding::Dense && sharing.organisation.composites(size);
+    let may_show = |tile: &u32| sends_all || sorted_into.contains(*tile);
+    let own_touched: Vec<u32> = own_tiles.numbers(tiles).filter(may_show).collect();
 
     // Rank 0 has the whole picture in the end.
     frame.resize(&whole);
@@ -108,7 +122,6 @@ fn draw_steps(
     let mut finished = own_touched;
     finished.retain(|tile| shared.binary_search(tile).is_err());
     own.draw_finished(&context, &finished, frame, report);
-    let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
     let ranks = touched.ranks_of_any(&shared);
     let all = Shared { tiles: &shared, ranks: &ranks, touched: &touched };
     let (packets, owns) = if has_fragments {
@@ -217,6 +230,7 @@ fn composite_pixels(
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
+    let Sharing { composition, encoding, .. } = task.sharing;
     let planes = Outputs { keys: true, ..task.settings.outputs };
     let settings = Settings { outputs: planes, clusters: part, ..context.settings.clone() };
     let keyed = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
@@ -230,7 +244,11 @@ fn composite_pixels(
         let drawn = &*frame;
         let pack = |&tile: &u32| {
             let mut packet = Vec::new();
-            pack_drawn(drawn, keyed.grid.rect(tile, keyed.size()), &planes, &mut packet);
+            let rect = keyed.grid.rect(tile, keyed.size());
+            match encoding {
+                Encoding::Sparse => _ = pack_drawn(drawn, rect, &planes, &mut packet),
+                Encoding::Dense => pack_all(drawn, rect, &planes, &mut packet),
+            }
             (tile, packet)
         };
         let packets: Vec<(u32, Vec<u8>)> = tiles.par_iter().with_max_len(1).map(pack).collect();
@@ -240,9 +258,20 @@ fn composite_pixels(
         own.keys = std::mem::take(&mut frame.planes.keys);
     }
     let content = Content::Pixels { planes, width: task.settings.width };
-    let composition = task.sharing.composition;
     comm.begin(Kind::Pixels);
-    let packets = exchange(comm, composition, shared, parts, content, report)?;
+    let mut packets = exchange(comm, composition, shared, parts, content, report)?;
+    if encoding == Encoding::Dense {
+        // Rank 0 needs only what is drawn.
+        let from = comm.rank();
+        let whole: Vec<(u32, Vec<u8>)> = packets.into_iter().collect();
+        let drawn = |(tile, packet): &(u32, Vec<u8>)| match only_drawn(packet, &planes) {
+            Ok(drawn) => Ok((*tile, drawn)),
+            Err(source) => Err(ParallelError::Packet { from, source }),
+        };
+        let drawn: Result<Vec<(u32, Vec<u8>)>, ParallelError> =
+            report.stages.compose.time(|| whole.par_iter().with_max_len(1).map(drawn).collect());
+        packets = drawn?.into_iter().filter(|(_, packet)| !packet.is_empty()).collect();
+    }
     let owners = composition.owners(shared);
     Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
 }

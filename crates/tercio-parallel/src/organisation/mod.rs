@@ -38,7 +38,7 @@ use tercio_scene::{Camera, Instance, Scene};
 use crate::ParallelError;
 use crate::agreement::frame_digest;
 use crate::comm::{Communicator, Kind};
-use crate::composite::Composition;
+use crate::composite::{Composition, Encoding};
 use crate::division::Division;
 use crate::parts;
 use crate::report::{RankReport, RankStages};
@@ -116,12 +116,19 @@ pub struct Sharing {
     pub division: Division,
     /// How pixels of the same tiles are composited; without meaning for sort-first and sort-middle.
     pub composition: Composition,
+    /// Which pixels are sent then.
+    pub encoding: Encoding,
 }
 
 impl From<Organisation> for Sharing {
-    /// The organisation with the usual division and composition.
+    /// The organisation with the usual division, composition and encoding.
     fn from(organisation: Organisation) -> Self {
-        Self { organisation, division: Division::default(), composition: Composition::default() }
+        Self {
+            organisation,
+            division: Division::default(),
+            composition: Composition::default(),
+            encoding: Encoding::default(),
+        }
     }
 }
 

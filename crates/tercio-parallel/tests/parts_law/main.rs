@@ -289,6 +289,6 @@ proptest! {
             }
             scene.instances[0].surface.opacity = opacity;
         };
-        check(&mesh, &parts, dress, radii, &settings, [Sharing { organisation, division, composition }]);
+        check(&mesh, &parts, dress, radii, &settings, [Sharing { division, composition, ..organisation.into() }]);
     }
 }

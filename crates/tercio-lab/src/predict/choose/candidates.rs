@@ -67,7 +67,7 @@ impl Limits {
             let divisions = if divides { self.divisions(organisation, ranks) } else { vec![usual.division] };
             let compositions = if composites { self.compositions(ranks) } else { vec![usual.composition] };
             for &composition in &compositions {
-                let with = |&division: &Division| Sharing { organisation, division, composition };
+                let with = |&division: &Division| Sharing { division, composition, ..usual };
                 found.extend(divisions.iter().map(with));
             }
         }
@@ -218,7 +218,7 @@ mod tests {
                     (2..ranks).flat_map(|g| Division::STATIC.map(|division| (g, division)))
                 {
                     let organisation = Organisation::SortTwice { group };
-                    named.push(Sharing { organisation, division, composition });
+                    named.push(Sharing { division, composition, ..organisation.into() });
                 }
             }
             for (number, one) in all.iter().enumerate() {
@@ -300,7 +300,7 @@ mod tests {
             [Sharing {
                 division: Division::Rows,
                 composition: Composition::Tree,
-                organisation: Organisation::SortTwice { group: 2 }
+                ..Organisation::SortTwice { group: 2 }.into()
             }]
         );
         assert_eq!(both.candidates(2), Err(NoCandidate::TooFewToDoBoth { ranks: 2 }));

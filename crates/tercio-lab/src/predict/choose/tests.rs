@@ -124,7 +124,8 @@ fn limits_are_kept() {
     let both = choose(&Limits { group: Some(4), division: Some(Division::Columns), composition, all: false });
     let organisation = Organisation::SortTwice { group: 4 };
     assert_eq!(both.candidates.len(), 1);
-    let expected = Sharing { organisation, division: Division::Columns, composition: Composition::Ring };
+    let (division, composition) = (Division::Columns, Composition::Ring);
+    let expected = Sharing { division, composition, ..organisation.into() };
     assert_eq!(both.sharing(), expected);
     let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
     let none =

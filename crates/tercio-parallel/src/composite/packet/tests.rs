@@ -42,6 +42,25 @@ fn the_bytes_of_a_packet() {
 }
 
 #[test]
+fn of_all_pixels_those_that_are_drawn_remain() {
+    let frame = frame(4, vec![0, 7, 9, 0, 3, 0, 0, 5]);
+    for planes in [Outputs { ids: true, keys: true, ..Outputs::NONE }, EVERYTHING] {
+        let (mut whole, mut drawn) = (Vec::new(), Vec::new());
+        pack_all(&frame, all(&frame), &planes, &mut whole);
+        assert_eq!(whole.len(), 2 * SPAN_HEAD + 8 * planes.pixel_bytes());
+        assert_eq!(count_pixels(&whole, &planes), Ok(8));
+        assert_eq!(pack_drawn(&frame, all(&frame), &planes, &mut drawn), 4);
+        assert_eq!(only_drawn(&whole, &planes).as_ref(), Ok(&drawn));
+        assert_eq!(only_drawn(&drawn, &planes).as_ref(), Ok(&drawn));
+        assert!(only_drawn(&whole[..whole.len() - 1], &planes).is_err());
+    }
+    // A tile of one column, in which nothing is drawn.
+    let (mut whole, planes) = (Vec::new(), EVERYTHING);
+    pack_all(&frame, PixelRect { x0: 2, x1: 2, y0: 1, y1: 1 }, &planes, &mut whole);
+    assert_eq!((whole.len(), only_drawn(&whole, &planes)), (SPAN_HEAD + planes.pixel_bytes(), Ok(vec![])));
+}
+
+#[test]
 fn tiles_cut_spans() {
     let frame = frame(4, vec![1; 8]);
     let mut bytes = Vec::new();

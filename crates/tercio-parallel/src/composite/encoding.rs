@@ -1,0 +1,38 @@
+//! Which pixels ranks send to be composited.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// Which pixels ranks send to be composited. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Encoding {
+    /// Those in which something is drawn, as runs (active-pixel encoding), of the tiles that clusters reach.
+    #[default]
+    Sparse,
+    /// All pixels of all tiles, whether something is drawn there or not, as first sort-last machines did: the cost does not
+    /// depend on the model. For comparison; and only pixels: lists of fragments, which are composited if there are several
+    /// samples per pixel or anything is translucent, are always sparse.
+    Dense,
+}
+
+impl Encoding {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Sparse, Self::Dense];
+
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sparse => "sparse",
+            Self::Dense => "dense",
+        }
+    }
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
