@@ -18,8 +18,9 @@ const MODELS: [&str; 3] = ["builtin:teapot@1M", "builtin:gyroid@1M", "builtin:te
 const RANKS: [usize; 5] = [2, 4, 8, 16, 64];
 
 /// Ways to share a frame, as options.
-const WAYS: [&str; 14] = [
+const WAYS: [&str; 19] = [
     "--organisation sort-first",
+    "--organisation sort-first --division adaptive",
     "--organisation sort-middle",
     "--organisation sort-middle --division interleaved",
     "--organisation sort-middle --division rows",
@@ -29,10 +30,14 @@ const WAYS: [&str; 14] = [
     "--organisation sort-last --composition binary-swap",
     "--organisation sort-last --composition radix-k --radix 4",
     "--organisation sort-last --composition radix-k --radix 8",
+    "--organisation sort-last --composition 2-3-swap",
     "--organisation sort-last --composition tree",
     "--organisation sort-last --composition ring",
     "--organisation sort-twice",
     "--organisation sort-twice --composition binary-swap",
+    "--organisation sort-last --aa 1",
+    "--organisation sort-last --aa 1 --encoding dense",
+    "--organisation sort-last --aa 1 --encoding dense --composition binary-swap",
 ];
 
 /// The organisations that two processes are measured with.
@@ -95,7 +100,7 @@ pub fn mpirun(program: &Path, processes: usize) -> Command {
 /// The table of a model.
 fn virtual_ranks(program: &Path, model: &str, arguments: &Arguments, report: &mut Report) -> Result<()> {
     let introduction = format!(
-        "1920x1080, 4 samples per pixel. Of each number of ranks: megabytes that they send in the last frame, all together; \
+        "1920x1080, 4 samples per pixel unless `--aa` says otherwise. Of each number of ranks: megabytes that they send in the last frame, all together; \
          triangles drawn, most over mean; and milliseconds of a frame, the median of {} views, with all ranks on this \
          machine's processors.",
         arguments.frames
