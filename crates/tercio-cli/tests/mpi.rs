@@ -10,8 +10,8 @@ use common::{Outcome, Place};
 /// Seconds after which a job is considered to hang.
 const HANGS: &str = "600";
 
-/// Runs a job of one or more `N ARGUMENTS`, also as root.
-fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Outcome {
+/// A job of one or more `N ARGUMENTS`, also as root.
+fn command(place: &Place, processes: &[(usize, &str)]) -> Command {
     let mut command = Command::new("timeout");
     command.current_dir(place.path("")).stdin(Stdio::null());
     command.args(["--kill-after=10", HANGS, "mpirun", "--oversubscribe"]);
@@ -23,7 +23,12 @@ fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Outcome {
         .env("TERCIO_CONFIG", "none")
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
-    command.output().expect("timeout and mpirun start").into()
+    command
+}
+
+/// Runs such a job.
+fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Outcome {
+    command(place, processes).output().expect("timeout and mpirun start").into()
 }
 
 #[test]
@@ -120,6 +125,59 @@ fn a_silent_rank_is_named_and_ends_the_job_on_request() {
         outcome.stderr
     );
     assert!(!place.names().contains(&"a.png".to_string()), "a picture");
+}
+
+/// The process of a rank among the descendants of mpirun's process: the environment of each process of a job has its rank.
+#[cfg(target_os = "linux")]
+fn process_of(rank: usize, of: u32) -> Option<u32> {
+    let children = |id: u32| {
+        let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap_or_default();
+        text.split_whitespace().filter_map(|id| id.parse().ok()).collect::<Vec<u32>>()
+    };
+    let variable = format!("OMPI_COMM_WORLD_RANK={rank}");
+    let mut open = children(of);
+    while let Some(id) = open.pop() {
+        let environment = std::fs::read(format!("/proc/{id}/environ")).unwrap_or_default();
+        if environment.split(|&byte| byte == 0).any(|entry| entry == variable.as_bytes()) {
+            return Some(id);
+        }
+        open.extend(children(id));
+    }
+    None
+}
+
+/// A process is stopped, or killed, while the job draws a series.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_process_that_is_stopped_or_killed_ends_the_job() {
+    for (signal, rank) in [("-STOP", 1), ("-KILL", 1), ("-KILL", 0)] {
+        let place = Place::new();
+        let draws = "render builtin:teapot@2k --size 60x40 --turntable 9999 -o {}.png --quiet --timeout 2.5";
+        let mut job = command(&place, &[(3, draws)]);
+        let mut job = job.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("mpirun starts");
+        let id = loop {
+            let is_drawing = place.names().iter().filter(|name| name.ends_with(".png")).count() > 2;
+            match process_of(rank, job.id()).filter(|_| is_drawing) {
+                Some(id) => break id,
+                None => std::thread::sleep(std::time::Duration::from_millis(50)),
+            }
+            assert!(job.try_wait().expect("a state").is_none(), "the job ended before it drew");
+        };
+        assert!(Command::new("kill").args([signal, &id.to_string()]).status().expect("kill").success());
+        let outcome: Outcome = job.wait_with_output().expect("the job ends").into();
+        let what = format!("{signal} of rank {rank}: {}", outcome.stderr);
+        assert!(outcome.code.is_some_and(|code| code != 0 && code != 124), "{what}");
+        if signal == "-STOP" {
+            assert!(outcome.stderr.contains("rank 1 has been silent for 2 s"), "{what}");
+        }
+        // What is there is whole.
+        let pictures: Vec<String> = place.names().into_iter().filter(|name| name != "model.off").collect();
+        assert!(pictures.len() < 9999 && pictures.iter().all(|name| name.ends_with(".png")), "{pictures:?}");
+        for name in &pictures {
+            let bytes = place.read(name);
+            assert!(bytes.ends_with(b"IEND\xae\x42\x60\x82"), "{name}, {what}");
+        }
+    }
 }
 
 #[test]
