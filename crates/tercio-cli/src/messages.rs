@@ -1,6 +1,6 @@
 //! Messages on standard error, one line each.
 
-use std::io::{self, Write};
+use std::io;
 
 use anstream::adapter::strip_str;
 use anstream::{AutoStream, ColorChoice};
@@ -8,6 +8,7 @@ use anstyle::{AnsiColor, Style};
 use anyhow::Error;
 use tercio::LoadError;
 use tercio::mesh::ReadError;
+use tercio_mpi::write_line;
 
 use crate::memory;
 
@@ -54,17 +55,15 @@ pub fn warning(text: &str) {
 
 /// A line for `-v`.
 pub fn note(text: &str) {
-    // A closed standard error is no reason to fail.
-    let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
+    write_line(text);
 }
 
 /// Coloured like usage errors: on terminals with colours, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
 fn say(style: Style, kind: &str, text: &str) {
     // File names may contain line breaks, but a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    let line = format!("{style}{kind}:{style:#} {}\n", text.join(" "));
+    let line = format!("{style}{kind}:{style:#} {}", text.join(" "));
     let is_coloured = AutoStream::choice(&io::stderr()) != ColorChoice::Never;
     let line = if is_coloured { line } else { strip_str(&line).to_string() };
-    // At once, so that lines of several processes do not mix. A closed standard error is no reason to fail.
-    let _ = io::stderr().lock().write_all(line.as_bytes());
+    write_line(&line);
 }

@@ -6,6 +6,9 @@ use glam::DVec3;
 
 use crate::{Aabb, Attribute, AttributeDomain, Mesh};
 
+/// sRGB colour and linear alpha of each vertex, if it has one of its own.
+pub type Colors = Vec<Option<[u8; 4]>>;
+
 /// Line segments and points in object space, with vertices of their own.
 #[derive(Clone, Debug, Default)]
 pub struct Strokes {
@@ -14,10 +17,8 @@ pub struct Strokes {
     pub origin: DVec3,
     /// Vertex positions relative to `origin`; may be not finite.
     pub positions: Vec<[f32; 3]>,
-    /// sRGB colour and linear alpha, one per vertex.
-    pub colors: Option<Vec<[u8; 4]>>,
-    /// Which vertices have no colour of their own although there are `colors`; empty if all have one.
-    pub uncolored: Vec<bool>,
+    /// Colours of vertices; `None` is the same as none for every vertex.
+    pub colors: Option<Colors>,
     /// Scalars, one value per vertex.
     pub attributes: Vec<Attribute>,
     /// Two vertex numbers per line segment.
@@ -55,8 +56,7 @@ impl Strokes {
         Self {
             origin: mesh.origin,
             positions: pick(&mesh.positions, &used),
-            colors: mesh.vertex_colors.as_ref().map(|colors| pick(colors, &used)),
-            uncolored: Vec::new(),
+            colors: mesh.vertex_colors.as_ref().map(|colors| picked(colors, &used).map(Some).collect()),
             attributes: attributes.collect(),
             segments,
             points,
@@ -70,8 +70,8 @@ impl Strokes {
         of_segment: impl Fn(usize, Option<[u8; 4]>) -> Option<[u8; 4]>,
         of_point: impl Fn(usize, Option<[u8; 4]>) -> Option<[u8; 4]>,
     ) -> Self {
-        let (before, uncolored) = (self.colors.take(), std::mem::take(&mut self.uncolored));
-        let own = |vertex: u32| color_of(before.as_deref(), &uncolored, vertex);
+        let before = self.colors.take();
+        let own = |vertex: u32| color_of(before.as_deref(), vertex);
         // The first colour of each vertex, and copies of vertices with further ones.
         let mut firsts: Vec<Option<Option<[u8; 4]>>> = vec![None; self.positions.len()];
         let mut copies: Vec<(u32, Option<[u8; 4]>)> = Vec::new();
@@ -97,11 +97,7 @@ impl Strokes {
         for attribute in &mut self.attributes {
             attribute.values.extend(pick(&attribute.values, &sources));
         }
-        let all: Vec<Option<[u8; 4]>> = firsts.into_iter().map(Option::flatten).chain(colors).collect();
-        if all.contains(&None) {
-            self.uncolored = all.iter().map(Option::is_none).collect();
-        }
-        self.colors = Some(all.into_iter().map(Option::unwrap_or_default).collect());
+        self.colors = Some(firsts.into_iter().map(Option::flatten).chain(colors).collect());
         self
     }
 
@@ -110,7 +106,7 @@ impl Strokes {
     /// # Panics
     /// If there are colours, but no such vertex.
     pub fn color(&self, vertex: u32) -> Option<[u8; 4]> {
-        color_of(self.colors.as_deref(), &self.uncolored, vertex)
+        color_of(self.colors.as_deref(), vertex)
     }
 
     /// Position of a vertex in object space.
@@ -130,16 +126,16 @@ impl Strokes {
     }
 }
 
-fn color_of(colors: Option<&[[u8; 4]]>, uncolored: &[bool], vertex: u32) -> Option<[u8; 4]> {
-    let is_colored = |colors: &&[[u8; 4]]| {
-        assert!(colors.len() > vertex as usize, "no such vertex");
-        !uncolored.get(vertex as usize).copied().unwrap_or(false)
-    };
-    colors.filter(is_colored).map(|colors| colors[vertex as usize])
+fn color_of(colors: Option<&[Option<[u8; 4]>]>, vertex: u32) -> Option<[u8; 4]> {
+    colors.and_then(|colors| colors[vertex as usize])
 }
 
 fn pick<T: Copy>(values: &[T], numbers: &[u32]) -> Vec<T> {
-    numbers.iter().map(|&number| values[number as usize]).collect()
+    picked(values, numbers).collect()
+}
+
+fn picked<T: Copy>(values: &[T], numbers: &[u32]) -> impl Iterator<Item = T> {
+    numbers.iter().map(|&number| values[number as usize])
 }
 
 #[cfg(test)]
@@ -170,7 +166,7 @@ mod tests {
         assert_eq!(painted.points, [4, 5]);
         assert_eq!(colors(&painted), [some_red, some_red, None, None, None, None]);
         // From the colours of vertices.
-        let colors = Some(vec![[1, 2, 3, 200], red, red, red]);
+        let colors = Some(vec![Some([1, 2, 3, 200]), some_red, some_red, some_red]);
         let whole = Strokes { colors, ..strokes };
         let half = |_, own: Option<[u8; 4]>| own.map(|[r, g, b, a]| [r, g, b, a / 2]);
         let halved = whole.colored(half, half);

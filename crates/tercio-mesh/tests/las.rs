@@ -86,8 +86,7 @@ fn every_format_gives_the_points_that_were_written() {
                     assert_eq!(value("nir"), f64::from(of_file.nir.unwrap()));
                 }
                 let color = of_file.color.map(|c| [c.red, c.green, c.blue].map(|c| (c >> 8) as u8));
-                let read = strokes.colors.as_ref().map(|c| c[i as usize]);
-                assert_eq!(read, color.map(|[r, g, b]| [r, g, b, 255]), "{format} {i}");
+                assert_eq!(strokes.color(i), color.map(|[r, g, b]| [r, g, b, 255]), "{format} {i}");
             }
             assert_eq!(values("gps_time").is_some(), layout.has_gps_time);
         }
@@ -117,7 +116,7 @@ fn more_bytes_of_points_change_nothing() {
 fn colours_of_8_bits_are_told_apart_and_black_ones_are_none() {
     let color = |c: Color| {
         let bytes = file(2, false, 10, |point| point.color = Some(c));
-        try_read(&bytes).unwrap().strokes.colors.map(|colors| colors[0])
+        try_read(&bytes).unwrap().strokes.color(0)
     };
     assert_eq!(color(Color::new(255, 7, 0)), Some([255, 7, 0, 255]));
     assert_eq!(color(Color::new(65280, 256, 255)), Some([255, 1, 0, 255]));

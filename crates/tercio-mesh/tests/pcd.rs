@@ -50,7 +50,7 @@ fn every_encoding_gives_the_same_points() {
         let strokes = &model.strokes;
         assert_eq!(strokes.positions, [[0.5, -1.0, 2.0], [1.0, 2.0, 3.0]]);
         assert_eq!(strokes.points, [0, 1]);
-        assert_eq!(strokes.colors.as_deref(), Some(&[[255, 128, 1, 255], [0, 0, 255, 255]][..]));
+        assert_eq!(strokes.colors.as_deref(), Some(&[Some([255, 128, 1, 255]), Some([0, 0, 255, 255])][..]));
         let attributes: Vec<_> =
             strokes.attributes.iter().map(|a| (a.name.as_str(), &a.values[..])).collect();
         assert_eq!(attributes, [("intensity:0", &[-3.0, 5.0][..]), ("intensity:1", &[4.0, -6.0])]);

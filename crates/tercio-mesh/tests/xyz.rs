@@ -51,7 +51,7 @@ fn delimiters_comments_and_line_ends() {
 #[test]
 fn columns_without_names_mean_what_their_number_and_values_say() {
     let colors = |text: &str| read(text).strokes.colors;
-    let rgb = Some(vec![[255, 0, 1, 255], [2, 3, 4, 255], [5, 6, 7, 255]]);
+    let rgb = Some([[255, 0, 1, 255], [2, 3, 4, 255], [5, 6, 7, 255]].map(Some).to_vec());
     let lines = |rows: [&str; 3]| format!("0 0 0 {}\n1 0 0 {}\n0 1 0 {}\n", rows[0], rows[1], rows[2]);
     assert_eq!(colors(&lines(["255 0 1", "2 3 4", "5 6 7"])), rgb);
     assert_eq!(colors(&lines(["-99 255 0 1", "1 2 3 4", "2.5 5 6 7"])), rgb);
@@ -87,7 +87,7 @@ fn columns_with_names() {
         "id;\"X\";Y;z;Red;green;BLUE;intensity;note\n7;1;2;3;255;128;0;0.25;tree\n8;4;5;6;0;0;9;;house\n";
     let model = read(text);
     assert_eq!(model.strokes.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-    assert_eq!(model.strokes.colors, Some(vec![[255, 128, 0, 255], [0, 0, 9, 255]]));
+    assert_eq!(model.strokes.colors, Some(vec![Some([255, 128, 0, 255]), Some([0, 0, 9, 255])]));
     assert_eq!(attributes(&model)[0], ("id", &[7.0, 8.0][..]));
     let intensity = &model.strokes.attributes[1];
     assert!(intensity.name == "intensity" && intensity.values[0] == 0.25 && intensity.values[1].is_nan());
@@ -97,7 +97,7 @@ fn columns_with_names() {
         ["//X Y Z R G B Scalar field\n1 2 3 9 8 7 0.5\n", "#X Y Z R G B Scalar field\n1 2 3 9 8 7 0.5\n"]
     {
         let model = read(text);
-        assert_eq!(model.strokes.colors, Some(vec![[9, 8, 7, 255]]), "{text}");
+        assert_eq!(model.strokes.colors, Some(vec![Some([9, 8, 7, 255])]), "{text}");
         assert_eq!(attributes(&model), [("Scalar field", &[0.5][..])]);
     }
     // Empty fields are no numbers, also the last ones of a line, as tables of pandas have them.
@@ -115,7 +115,7 @@ fn columns_with_names() {
     let model = read("x,y,z,a,\n1,2,3,4,\n5,6,7,8,\n");
     assert_eq!(attributes(&model), [("a", &[4.0, 8.0][..])]);
     // Fractions, and 16 bits.
-    let of = |rgb: &str| read(&format!("x y z r g b\n0 0 0 {rgb}\n")).strokes.colors.unwrap()[0];
+    let of = |rgb: &str| read(&format!("x y z r g b\n0 0 0 {rgb}\n")).strokes.color(0).unwrap();
     assert_eq!([of("0.5 1 0"), of("65535 0 32768")], [[128, 255, 0, 255], [255, 0, 128, 255]]);
 }
 

@@ -7,6 +7,7 @@ use tercio_parallel::Communicator as _;
 use tercio_parallel::comm::CommError;
 
 use crate::MpiComm;
+use crate::message::write_line;
 use crate::raw::{Failed, Link};
 
 /// Exit code of a job in which a rank failed.
@@ -34,9 +35,9 @@ pub enum StartError {
 
 /// Runs this rank's work of an MPI job; all its processes have to call this, once. Returns when all ranks are done.
 ///
-/// If the work fails on this rank, `tell` is called with the rank's number and the error, and all processes of the
-/// job end with exit code 1; so they do after a panic. There is no unwinding then, so incomplete files should not
-/// have their final names yet.
+/// If the work fails on this rank, `tell` is called with the rank's number and the error
+/// ([`write_error`](crate::write_error) writes both), and all processes of the job end with exit code 1; so they do
+/// after a panic. There is no unwinding then, so incomplete files should not have their final names yet.
 ///
 /// # Errors
 /// [`StartError`], before any work is done.
@@ -60,9 +61,7 @@ pub fn run<T, E: From<CommError>>(
         }
         Err(_) => {
             // The panic has printed its message and location.
-            // In one piece: what mpirun says meanwhile would come between the words.
-            let line = format!("error: rank {rank} panicked\n");
-            eprint!("{line}");
+            write_line(&format!("error: rank {rank} panicked"));
             comm.abort(FAILURE);
         }
     };

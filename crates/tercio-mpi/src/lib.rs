@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`launch`] | whether this process was started by `mpirun`, and with how many others |
+//! | [`message`] | lines on standard error that stay in one piece among those of other processes |
 //! | `job` | initializes and finalizes MPI; a rank that fails ends the job |
 //! | `comm` | messages: the MPI backend of `tercio_parallel::Communicator` |
 //!
@@ -23,7 +24,7 @@
 //!     comm.barrier()?;
 //!     Ok::<_, CommError>((comm.rank(), comm.size()))
 //! };
-//! let (rank, size) = tercio_mpi::run(work, |rank, error| eprintln!("rank {rank}: {error}"))?;
+//! let (rank, size) = tercio_mpi::run(work, tercio_mpi::write_error)?;
 //! assert!(rank < size && Some(size) == tercio_mpi::processes());
 //! # Ok::<(), tercio_mpi::StartError>(())
 //! ```
@@ -42,6 +43,7 @@ pub mod comm;
 #[cfg(feature = "mpi")]
 pub mod job;
 pub mod launch;
+pub mod message;
 mod processors;
 #[cfg(feature = "mpi")]
 mod raw;
@@ -55,4 +57,5 @@ pub use comm::{MpiComm, Patience};
 #[cfg(feature = "mpi")]
 pub use job::{StartError, run};
 pub use launch::{is_first, local_processes, processes};
+pub use message::{write_error, write_line};
 pub use processors::own_processors;

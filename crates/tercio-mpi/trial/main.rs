@@ -6,7 +6,7 @@ mod trials;
 
 use std::process::ExitCode;
 
-use tercio_mpi::{MpiComm, run};
+use tercio_mpi::{MpiComm, run, write_error};
 use tercio_parallel::{Communicator as _, ParallelError};
 
 /// A trial and its name.
@@ -33,13 +33,8 @@ fn main() -> ExitCode {
         eprintln!("expected one of {}", TRIALS.map(|t| t.0).join(", "));
         return ExitCode::from(2);
     };
-    // In one piece: what mpirun says meanwhile would come between the words.
-    let tell = |rank, error| {
-        let line = format!("error: rank {rank}: {error}\n");
-        eprint!("{line}");
-    };
     let work = |comm: &mut MpiComm| trial(comm).map(|()| comm.rank());
-    match run(work, tell) {
+    match run(work, write_error) {
         Ok(0) => println!("passed"),
         Ok(_) => {}
         Err(error) => {

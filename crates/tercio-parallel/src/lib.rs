@@ -8,6 +8,7 @@
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
 //! | [`parts`] | models of which every rank holds a part |
 //! | [`placement`] | threads on processors |
+//! | [`numbers`] | properties of whole numbers |
 //! | [`report`] | counts and times of every rank |
 //! | [`trace`] | when each rank did what |
 //! | [`in_process`] | all ranks in one process, a thread each |
@@ -51,6 +52,7 @@ pub mod composite;
 pub mod division;
 mod error;
 pub mod in_process;
+pub mod numbers;
 pub mod organisation;
 pub mod parts;
 pub mod placement;

@@ -68,13 +68,11 @@ fn vertex_between(strokes: &mut Strokes, [a, b]: [u32; 2], share: f64) -> u32 {
     let position = [0, 1, 2].map(|k: usize| mix(strokes.positions[a][k], strokes.positions[b][k]));
     strokes.positions.push(position);
     if let Some(colors) = &mut strokes.colors {
-        let color =
-            [0, 1, 2, 3].map(|k: usize| mix(f32::from(colors[a][k]), f32::from(colors[b][k])).round() as u8);
-        colors.push(color);
-    }
-    // Both ends of a line have a colour, or none.
-    if !strokes.uncolored.is_empty() {
-        strokes.uncolored.push(strokes.uncolored[a]);
+        // Both ends of a line have a colour, or none.
+        let mixed = colors[a]
+            .zip(colors[b])
+            .map(|(a, b)| [0, 1, 2, 3].map(|k: usize| mix(f32::from(a[k]), f32::from(b[k])).round() as u8));
+        colors.push(mixed);
     }
     for attribute in &mut strokes.attributes {
         let value = mix(attribute.values[a], attribute.values[b]);
@@ -224,11 +222,10 @@ mod tests {
         let strokes = Strokes {
             origin: glam::DVec3::X,
             positions,
-            colors: Some(vec![[0, 0, 0, 255], [200, 100, 0, 255], [0; 4], [0; 4]]),
+            colors: Some(vec![Some([0, 0, 0, 255]), Some([200, 100, 0, 255]), Some([0; 4]), None]),
             attributes: vec![attribute],
             segments: vec![[0, 1], [1, 0], [1, 2], [0, 0]],
             points: vec![0, 1, 2, 3],
-            ..Strokes::default()
         };
         let bounds = Aabb { min: glam::DVec3::X, max: glam::DVec3::new(5.0, 2.0, 0.0) };
         let planes = [Clip::Fraction { axis: Axis::X, fraction: 0.25, keeps_lower: false }];
@@ -239,7 +236,7 @@ mod tests {
         for v in [4, 5] {
             assert_eq!(kept.positions[v], [1.0, 0.5, 0.0]);
             assert_eq!(kept.attributes[0].values[v], 2.0);
-            assert_eq!(kept.colors.as_ref().expect("colours")[v], [50, 25, 0, 255]);
+            assert_eq!(kept.colors.as_ref().expect("colours")[v], Some([50, 25, 0, 255]));
         }
         let none =
             Clipping { planes: &planes, caps: false }.clip_strokes(&Strokes::default(), &Aabb::EMPTY, "a");

@@ -15,8 +15,3 @@ pub mod ortega;
 pub mod parks;
 pub mod ring;
 pub mod sorting;
-
-/// The greatest common divisor.
-pub(crate) fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
-}

@@ -75,9 +75,12 @@ impl Unseen {
 
 /// Lines and points that are all invisible become opaque; returns the warning then.
 pub(super) fn make_strokes_opaque(strokes: &mut Strokes) -> Option<String> {
-    let colors =
-        strokes.colors.as_mut().filter(|colors| strokes.uncolored.is_empty() && all_invisible(colors))?;
-    colors.iter_mut().for_each(|color| color[3] = u8::MAX);
+    let colors = strokes.colors.as_mut().filter(|colors| !colors.is_empty())?;
+    // One without a colour has the colour of the user's choice.
+    if !colors.par_iter().all(|color| color.is_some_and(|[.., alpha]| alpha == 0)) {
+        return None;
+    }
+    colors.iter_mut().flatten().for_each(|color| color[3] = u8::MAX);
     Some("all lines and points are fully transparent (alpha or opacity 0 everywhere); drawn opaque".into())
 }
 
@@ -113,20 +116,21 @@ mod tests {
 
     #[test]
     fn invisible_lines_and_points_are_not_meant() {
-        let strokes = |colors: &[[u8; 4]]| Strokes {
+        let strokes = |colors: &[Option<[u8; 4]>]| Strokes {
             positions: vec![[0.0; 3]; colors.len()],
             colors: Some(colors.to_vec()),
             ..Strokes::default()
         };
-        let mut all = strokes(&[[1, 2, 3, 0], [4, 5, 6, 0]]);
+        let mut all = strokes(&[Some([1, 2, 3, 0]), Some([4, 5, 6, 0])]);
         assert!(make_strokes_opaque(&mut all).is_some());
-        assert_eq!(all.colors, Some(vec![[1, 2, 3, 255], [4, 5, 6, 255]]));
-        let mut some = strokes(&[[1, 2, 3, 0], [4, 5, 6, 7]]);
+        assert_eq!(all.colors, Some(vec![Some([1, 2, 3, 255]), Some([4, 5, 6, 255])]));
+        let mut some = strokes(&[Some([1, 2, 3, 0]), Some([4, 5, 6, 7])]);
         assert_eq!(make_strokes_opaque(&mut some), None);
         // One of them has the colour of the user's choice.
-        let mut uncolored = Strokes { uncolored: vec![true, false], ..strokes(&[[0; 4], [1, 2, 3, 0]]) };
+        let mut uncolored = strokes(&[None, Some([1, 2, 3, 0])]);
         assert_eq!(make_strokes_opaque(&mut uncolored), None);
         assert_eq!(uncolored.color(1), Some([1, 2, 3, 0]));
+        assert_eq!(make_strokes_opaque(&mut strokes(&[])), None);
     }
 
     fn counted(alphas: &[u8]) -> (Mesh, Translucent, Option<String>) {

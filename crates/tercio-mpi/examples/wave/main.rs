@@ -66,12 +66,8 @@ fn main() -> tercio::Result<()> {
 /// Runs this process's rank of a job; if it fails, all processes end.
 #[cfg(feature = "mpi")]
 fn over_mpi(options: &Options) -> tercio::Result<()> {
-    // In one piece: what mpirun says meanwhile would come between the words.
-    let tell = |rank: usize, error: tercio::Error| {
-        let line = format!("error: rank {rank}: {error}\n");
-        eprint!("{line}");
-    };
-    tercio_mpi::run(|comm| simulate(comm, options), tell).map_err(|error| std::io::Error::other(error).into())
+    tercio_mpi::run(|comm| simulate(comm, options), tercio_mpi::write_error)
+        .map_err(|error| std::io::Error::other(error).into())
 }
 
 /// The simulation of one rank.

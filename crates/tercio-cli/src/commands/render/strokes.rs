@@ -49,7 +49,7 @@ impl Render {
     pub(super) fn strokes_of(&self, whole: Option<&Extent>, strokes: Arc<Strokes>) -> Result<Arc<Strokes>> {
         let strokes = match strokes.colors {
             Some(_) if !self.drawing.surface().use_mesh_colors => {
-                Arc::new(Strokes { colors: None, uncolored: Vec::new(), ..(*strokes).clone() })
+                Arc::new(Strokes { colors: None, ..(*strokes).clone() })
             }
             _ => strokes,
         };

@@ -263,12 +263,12 @@ impl Render {
 fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Strokes> {
     let colors = match data {
         None => return Cow::Borrowed(file),
-        Some(StrokeData::Direct(colors)) => colors.clone(),
+        Some(StrokeData::Direct(colors)) => colors.iter().copied().map(Some).collect(),
         Some(StrokeData::Mapped { values, colors }) => {
-            values.iter().map(|&value| colors.color(colors.full(value))).collect()
+            values.iter().map(|&value| Some(colors.color(colors.full(value)))).collect()
         }
     };
-    Cow::Owned(Strokes { colors: Some(colors), uncolored: Vec::new(), ..file.clone() })
+    Cow::Owned(Strokes { colors: Some(colors), ..file.clone() })
 }
 
 /// Lines and points whose colours have this opacity in addition.
@@ -277,7 +277,7 @@ fn faded(mut file: Cow<Strokes>, opacity: f32) -> Cow<Strokes> {
         && file.colors.is_some()
         && let Some(colors) = &mut file.to_mut().colors
     {
-        colors.iter_mut().for_each(|color| *color = fade(*color, opacity));
+        colors.iter_mut().flatten().for_each(|color| *color = fade(*color, opacity));
     }
     file
 }

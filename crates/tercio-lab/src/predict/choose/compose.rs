@@ -1,10 +1,10 @@
 //! How long compositing takes, and what is sent for it, by strategy.
 
 use tercio_parallel::Composition;
+use tercio_parallel::numbers::gcd;
 
 use super::terms::{Load, Stage, Sums};
 use super::wires::Reach;
-use crate::simulators::gcd;
 
 /// Tiles in which several ranks have something.
 #[derive(Clone, Debug, Default)]
@@ -233,7 +233,7 @@ impl Joined {
     /// Messages that a rank sends, on average. Each child's equal parts are cut at the ends of the node's equal parts: that many pieces,
     /// of which each member keeps one.
     fn messages(&self) -> f64 {
-        let pieces = |child: usize| child + self.size - gcd(child as u64, self.size as u64) as usize;
+        let pieces = |child: usize| child + self.size - gcd(child, self.size);
         let all: usize = self.of_children().iter().map(|&(child, number)| number * pieces(child)).sum();
         (all - self.size) as f64 / self.size as f64
     }

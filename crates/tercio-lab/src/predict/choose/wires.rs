@@ -3,10 +3,11 @@
 //! Ranks are numbered node by node. Where the partners of a rank lie follows from how far apart they are in this order: see
 //! [`Reach`].
 
+use tercio_parallel::numbers::gcd;
+
 use super::network::{Network, Source};
 use super::terms::Load;
 use crate::machines::{Machine, MachineError, Topology};
-use crate::simulators::gcd;
 use crate::simulators::sorting::network::{Links, NetworkModel};
 
 /// Seconds of a message of which the processor is busy, at most.
@@ -119,7 +120,7 @@ impl Wires {
             return 1.0;
         }
         // Nodes cut a group into pieces. Its first rank is at a multiple of the common divisor in a node.
-        let step = gcd(node as u64, within as u64) as usize;
+        let step = gcd(node, within);
         let inside: u64 = (0..node)
             .step_by(step)
             .map(|place| {

@@ -3,8 +3,9 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use tercio_parallel::numbers::gcd;
+
 use super::destinations::Destinations;
-use crate::simulators::gcd;
 
 /// A polygon at a processor that has to pass it on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,7 +142,7 @@ struct Waiting {
 
 impl Waiting {
     fn new(n: u32, stride: u32) -> Self {
-        let cycles = gcd(n.into(), stride.into()) as u32;
+        let cycles = gcd(n as usize, stride as usize) as u32;
         let cycle = n / cycles;
         let mut place = vec![0; n as usize];
         for c in 0..cycles {

@@ -2,6 +2,7 @@
 
 use super::header::{Header, Layout, f64_at, u16_at};
 use crate::doubles::store;
+use crate::strokes::Colors;
 use crate::{Attribute, AttributeDomain};
 
 /// Points, by what they have.
@@ -37,7 +38,7 @@ impl Columns {
     pub fn bytes_of_a_point(&self) -> u64 {
         let layout = &self.layout;
         let if_there = |place: Option<usize>, bytes: u64| place.map_or(0, |_| bytes);
-        19 + 20 + if_there(layout.rgb, 10) + if_there(layout.gps, 12) + if_there(layout.nir, 6)
+        19 + 20 + if_there(layout.rgb, 11) + if_there(layout.gps, 12) + if_there(layout.nir, 6)
     }
 
     /// Adds the record of a point.
@@ -92,12 +93,13 @@ impl Columns {
     }
 
     /// The colours, unless all of them are 0. They are not kept.
-    pub fn colors(&mut self) -> Option<Vec<[u8; 4]>> {
+    pub fn colors(&mut self) -> Option<Colors> {
         let colors = std::mem::take(&mut self.colors);
         let most = colors.iter().flatten().copied().max().unwrap_or(0);
         // The specification has 16 bits; many programs write 8 of them.
         let shift = if most > 255 { 8 } else { 0 };
-        let color = |[r, g, b]: [u16; 3]| [(r >> shift) as u8, (g >> shift) as u8, (b >> shift) as u8, 255];
+        let byte = |level: u16| (level >> shift) as u8;
+        let color = |[r, g, b]: [u16; 3]| Some([byte(r), byte(g), byte(b), 255]);
         (most > 0).then(|| colors.into_iter().map(color).collect())
     }
 

@@ -179,7 +179,7 @@ fn lines_and_points_have_the_colors_of_their_materials() {
     assert_eq!(points, [4, 3].map(|v| (pale, of_file(v))));
     // Vertices with colours keep them, with the opacity of the material.
     let m = read_text("mtllib m.mtl\nv 0 0 0 1 1 0\nv 1 0 0 0 1 0\nusemtl pale\nl 1 2\n".into());
-    assert_eq!(m.strokes.colors.unwrap(), [[255, 255, 0, 51], [0, 255, 0, 51]]);
+    assert_eq!(m.strokes.colors.unwrap(), [Some([255, 255, 0, 51]), Some([0, 255, 0, 51])]);
     // Without a defined material they have the colour that the user chooses.
     for text in ["l 1 2\n", "usemtl gone\nl 1 2\n", "usemtl red\nf 1 2 3\n"] {
         assert!(read_text(format!("mtllib m.mtl\n{SQUARE}{text}")).strokes.colors.is_none(), "{text}");

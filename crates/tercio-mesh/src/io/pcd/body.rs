@@ -124,13 +124,13 @@ impl<'a> Body<'a> {
     }
 
     /// Colours: blue, green, red and alpha, byte by byte.
-    pub fn colors(&self, header: &Header, field: usize) -> Vec<[u8; 4]> {
+    pub fn colors(&self, header: &Header, field: usize) -> impl Iterator<Item = [u8; 4]> {
         let has_alpha = header.fields[field].name == "rgba";
-        let color = |bytes: &[u8]| match *bytes {
+        let color = move |bytes: &[u8]| match *bytes {
             [b, g, r, a] => [r, g, b, if has_alpha { a } else { 255 }],
             _ => [255; 4],
         };
-        self.raw(header, field, 0).map(color).collect()
+        self.raw(header, field, 0).map(color)
     }
 }
 

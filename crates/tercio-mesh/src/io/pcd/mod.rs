@@ -66,7 +66,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     let mut warnings = Vec::new();
     for (number, field) in header.fields.iter().enumerate() {
         if field.name == "rgb" || field.name == "rgba" {
-            strokes.colors = Some(body.colors(&header, number));
+            strokes.colors = Some(body.colors(&header, number).map(Some).collect());
         } else if !matches!(field.name.as_str(), "x" | "y" | "z" | "_") {
             for component in 0..field.count {
                 let name = Attribute::component_name(&field.name, component, field.count);

@@ -106,8 +106,7 @@ pub fn join(file: &str, mut parts: Vec<Part>, origin: Option<DVec3>) -> Result<R
     let strokes = Strokes {
         origin,
         positions: stroke_positions,
-        colors: whole.strokes.colors,
-        uncolored: Vec::new(),
+        colors: whole.strokes.colors.map(|colors| colors.into_iter().map(Some).collect()),
         attributes: whole.strokes.attributes,
         segments: whole.strokes.segments,
         points: whole.strokes.points,

@@ -2,6 +2,7 @@
 
 use super::front::{Column, Front};
 use crate::doubles::{Doubles, all_stored};
+use crate::strokes::Colors;
 use crate::{Attribute, AttributeDomain};
 
 /// The colours and the attributes of a table's columns.
@@ -9,7 +10,7 @@ pub fn meaning(
     front: &Front,
     columns: Vec<Vec<f64>>,
     warnings: &mut Vec<String>,
-) -> (Option<Vec<[u8; 4]>>, Vec<Attribute>) {
+) -> (Option<Colors>, Vec<Attribute>) {
     let kinds = front.columns.iter().filter(|c| matches!(c, Column::Color(_) | Column::Value(_)));
     let mut colors: [Option<Vec<f32>>; 4] = Default::default();
     let mut rest = Vec::new();
@@ -78,7 +79,7 @@ pub fn meaning(
 }
 
 /// Colours of components from 0 to 255; or to 1, if none is greater and some are not whole; or of 16 bits, if some are greater.
-fn bytes([r, g, b, a]: [Option<Vec<f32>>; 4]) -> Option<Vec<[u8; 4]>> {
+fn bytes([r, g, b, a]: [Option<Vec<f32>>; 4]) -> Option<Colors> {
     let all = [r?, g?, b?];
     let most = all.iter().flatten().copied().filter(|v| v.is_finite()).fold(0.0f32, f32::max);
     let is_fraction = most <= 1.0 && all.iter().flatten().any(|v| v.fract() != 0.0);
@@ -94,7 +95,7 @@ fn bytes([r, g, b, a]: [Option<Vec<f32>>; 4]) -> Option<Vec<[u8; 4]>> {
     let alpha_scale = if alphas.iter().all(|&v| v <= 1.0) { 255.0 } else { scale.min(1.0) };
     let color = |i: usize| {
         let of = |k: usize| byte(all[k].get(i).copied().unwrap_or(0.0), scale);
-        [of(0), of(1), of(2), alphas.get(i).map_or(255, |&a| byte(a, alpha_scale))]
+        Some([of(0), of(1), of(2), alphas.get(i).map_or(255, |&a| byte(a, alpha_scale))])
     };
     Some((0..all[0].len()).map(color).collect())
 }

@@ -5,6 +5,7 @@
 
 mod binary_swap;
 mod direct_send;
+mod interlaced;
 mod radix_k;
 mod ring;
 mod tree;

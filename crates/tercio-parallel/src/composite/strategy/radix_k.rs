@@ -1,8 +1,8 @@
 //! Radix-k.
 
 use std::fmt;
-use std::ops::Range;
 
+use super::interlaced::{interlaced, owners_of_parts, part};
 use super::{Round, Shared, Strategy};
 
 /// The largest sizes of the groups of radix-k, round by round; the last one is that of all further rounds.
@@ -88,25 +88,6 @@ impl Strategy for RadixK {
     }
 }
 
-/// Part `number` of `of` about equal parts of a range.
-pub fn part(range: &Range<usize>, number: usize, of: usize) -> Range<usize> {
-    let at = |number: usize| range.start + range.len() * number / of;
-    at(number)..at(number + 1)
-}
-
-/// The order in which tiles are divided: neighbours in the picture get far apart, so that every part of the order has tiles of the
-/// whole picture. Otherwise the ranks whose parts are in the middle of the picture would merge most. Each step is about the golden
-/// section of the number of tiles, which spreads the rows and columns of a part of any length, whatever the number of columns.
-pub fn interlaced(tiles: usize) -> impl Iterator<Item = usize> {
-    let near = (tiles as f64 * 0.618_034) as usize;
-    let step = (near..).find(|&step| gcd(step, tiles) == 1).unwrap_or(1);
-    (0..tiles).map(move |number| number * step % tiles)
-}
-
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
-}
-
 /// The rounds of member `own` of as many as the product of `sizes`. In each round members whose numbers differ in one digit
 /// (of a number system with these sizes as bases) exchange the parts of the tiles that they have. `place` is where a member is
 /// among all ranks.
@@ -116,7 +97,7 @@ pub fn rounds_of_groups(
     own: usize,
     place: impl Fn(usize) -> usize,
 ) -> Vec<Round> {
-    let order: Vec<u32> = interlaced(tiles.len()).map(|at| tiles[at]).collect();
+    let order = interlaced(tiles);
     let (mut kept, mut distance) = (0..tiles.len(), 1);
     let mut round = |&size: &usize| {
         let digit = own / distance % size;
@@ -134,17 +115,15 @@ pub fn rounds_of_groups(
 
 /// The place of the owner of each of so many tiles, after the rounds of [`rounds_of_groups`].
 pub fn owners_of_groups(sizes: &[usize], tiles: usize, place: impl Fn(usize) -> usize) -> Vec<usize> {
-    let order: Vec<usize> = interlaced(tiles).collect();
-    let mut owners = vec![0; tiles];
-    for member in 0..sizes.iter().product::<usize>() {
+    let kept_by = |member: usize| {
         let (mut kept, mut rest) = (0..tiles, member);
         for &size in sizes {
             kept = part(&kept, rest % size, size);
             rest /= size;
         }
-        order[kept].iter().for_each(|&at| owners[at] = place(member));
-    }
-    owners
+        (kept, place(member))
+    };
+    owners_of_parts(tiles, (0..sizes.iter().product()).map(kept_by))
 }
 
 #[cfg(test)]
@@ -165,17 +144,6 @@ mod tests {
         assert_eq!(Radices::new(&[2, 8, 4]).unwrap().to_string(), "2,8,4");
         for wrong in [&[][..], &[1], &[4, 1], &[4, 70_000], &[70_000], &[2; 11]] {
             assert_eq!(Radices::new(wrong), None, "{wrong:?}");
-        }
-    }
-
-    #[test]
-    fn tiles_are_divided_in_an_order_that_has_each_once() {
-        for tiles in [0, 1, 2, 3, 7, 8, 100, 256, 1023] {
-            let mut order: Vec<usize> = interlaced(tiles).collect();
-            let are_apart = |pair: &[usize]| pair[0].abs_diff(pair[1]) >= tiles / 4;
-            assert!(order.windows(2).all(are_apart), "{tiles}: {order:?}");
-            order.sort_unstable();
-            assert!(order.into_iter().eq(0..tiles), "{tiles}");
         }
     }
 }

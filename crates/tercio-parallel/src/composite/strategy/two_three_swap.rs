@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::radix_k::{interlaced, part};
+use super::interlaced::{interlaced, owners_of_parts, part};
 use super::{Round, Shared, Strategy};
 
 /// Rounds in which nodes of a tree of ranks are joined by twos and threes.
@@ -93,7 +93,7 @@ fn round(count: usize, height: u32, own: usize, first: usize, tiles: &[u32]) -> 
 
 impl Strategy for TwoThreeSwap {
     fn rounds(&self, shared: &Shared, place: usize) -> Vec<Round> {
-        let order: Vec<u32> = interlaced(shared.tiles.len()).map(|at| shared.tiles[at]).collect();
+        let order = interlaced(shared.tiles);
         let (mut first, mut count) = (0, shared.ranks.len());
         let mut rounds = Vec::new();
         // From the root to the rank: the last round comes first.
@@ -113,12 +113,8 @@ impl Strategy for TwoThreeSwap {
 
     fn owners(&self, shared: &Shared) -> Vec<usize> {
         let (count, tiles) = (shared.ranks.len(), shared.tiles.len());
-        let order: Vec<usize> = interlaced(tiles).collect();
-        let mut owners = vec![0; tiles];
-        for (number, member) in members(count, height(count)).into_iter().enumerate() {
-            order[part(&(0..tiles), number, count)].iter().for_each(|&at| owners[at] = member);
-        }
-        owners
+        let members = members(count, height(count)).into_iter().enumerate();
+        owners_of_parts(tiles, members.map(|(number, member)| (part(&(0..tiles), number, count), member)))
     }
 }
 
