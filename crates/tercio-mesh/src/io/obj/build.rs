@@ -124,6 +124,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
             |number, own| painted.segments.color(number, own),
             |number, own| painted.points.color(number, own),
         );
+        strokes.materials = painted.materials;
     }
     warn_of_ignored(&chunks, &mut warnings);
     let report = ReadReport {
@@ -305,6 +306,8 @@ fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
 struct Painted<'a> {
     segments: Paints<'a>,
     points: Paints<'a>,
+    /// All of these materials, each once.
+    materials: Vec<FileMaterial>,
 }
 
 /// Materials of elements of one kind.
@@ -388,6 +391,9 @@ fn add_materials<'a>(
             None => Mesh::NO_MATERIAL,
         })
         .collect();
+    let mut listed = HashSet::new();
+    let names = of_segments.names.iter().chain(&of_dots.names).filter(|name| listed.insert(**name));
+    let materials = names.filter_map(|name| find(name).cloned()).collect();
     let [segments, points] = [of_segments, of_dots].map(|used| {
         let colors = used.names.iter().map(|name| find(name).map(flat_color)).collect();
         Paints { used, colors }
@@ -407,7 +413,7 @@ fn add_materials<'a>(
             Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
     }
     let has_color = |paints: &Paints| paints.colors.iter().any(Option::is_some);
-    (has_color(&segments) || has_color(&points)).then_some(Painted { segments, points })
+    (has_color(&segments) || has_color(&points)).then_some(Painted { segments, points, materials })
 }
 
 fn load_libraries(
