@@ -185,7 +185,13 @@ pub const PREPARED: &str = "a prepared model holds triangles alone";
 
 /// What of the model is not opaque, in words.
 pub fn translucent(n: &Translucent) -> Option<String> {
-    let all = [(n.materials, "material"), (n.vertices, "vertex"), (n.faces, "face")];
+    let all = [
+        (n.materials, "material"),
+        (n.vertices, "vertex"),
+        (n.faces, "face"),
+        (n.lines, "line"),
+        (n.points, "point"),
+    ];
     let list: Vec<_> = all.into_iter().filter(|n| n.0 > 0).map(|(n, what)| counted(n, what)).collect();
     (!list.is_empty()).then(|| list.join(", "))
 }

@@ -95,3 +95,37 @@ fn lines_and_points_have_bounds_and_attributes() {
     let info: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
     assert!(info["lines_and_points"].is_null());
 }
+
+/// Materials of lines and points are listed beside those of faces, and what of them is not opaque is counted.
+#[test]
+fn lines_and_points_have_materials() {
+    let place = Place::new();
+    let model =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl solid\nf 1 2 3\nl 1 2\nusemtl glass\nl 2 3 1\np 1\n";
+    std::fs::write(place.path("m.obj"), model).expect("a model");
+    let library = "newmtl solid\nKd 1 0 0\nnewmtl glass\nKd 0 0 1\nd 0.25\n";
+    std::fs::write(place.path("m.mtl"), library).expect("materials");
+    let outcome = place.run("info m.obj --json").ok_silently();
+    let info: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+    let names = |materials: &serde_json::Value| -> Vec<serde_json::Value> {
+        materials.as_array().unwrap().iter().map(|material| material["name"].clone()).collect()
+    };
+    assert_eq!(names(&info["materials"]), ["solid"]);
+    let materials = &info["lines_and_points"]["materials"];
+    assert_eq!(names(materials), ["solid", "glass"]);
+    assert_eq!(materials[1]["opacity"], 0.25);
+    assert_eq!(materials[1]["diffuse"], serde_json::json!([0.0, 0.0, 1.0]));
+    let counts = serde_json::json!({ "materials": 0, "vertices": 0, "faces": 0, "lines": 2, "points": 1 });
+    assert_eq!(info["translucent"], counts);
+    let outcome = place.run("info m.obj").ok_silently();
+    let rows: Vec<Vec<&str>> =
+        outcome.text().lines().map(|l| l.splitn(2, "  ").map(str::trim).collect()).collect();
+    for row in [
+        ["material", "solid"],
+        ["material of lines and points", "solid"],
+        ["material of lines and points", "glass"],
+        ["not opaque", "2 lines, 1 point"],
+    ] {
+        assert!(rows.iter().any(|r| r == &row), "{row:?} is not in {}", outcome.text());
+    }
+}

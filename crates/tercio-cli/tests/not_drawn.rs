@@ -58,7 +58,10 @@ fn what_is_not_drawn_is_reported_once() {
     });
     let info = json_of(place.run("info m.obj --json -q").ok_silently().text());
     assert_eq!(info["not_drawn"], expected);
-    assert_eq!(info["translucent"], json!({ "materials": 1, "vertices": 0, "faces": 0 }));
+    assert_eq!(
+        info["translucent"],
+        json!({ "materials": 1, "vertices": 0, "faces": 0, "lines": 0, "points": 0 })
+    );
     let stats = place.run("render m.obj -o b.png --size 32x24 --stats - -q --view front").ok_silently();
     assert_eq!(json_of(stats.text())["load"]["not_drawn"], expected);
 }

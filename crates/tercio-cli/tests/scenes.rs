@@ -155,6 +155,38 @@ fn a_scene_file_is_the_scene_that_a_program_makes() {
     assert!(Arc::ptr_eq(&made.instances[1].mesh, &made.instances[2].mesh));
 }
 
+/// Lines, points and edges of a copy have its opacity, as those of a model of its own.
+#[test]
+fn the_opacity_of_a_copy_is_that_of_its_lines_and_points() {
+    let place = Place::new();
+    block(&place, "a.ply", [-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]);
+    fs::write(place.path("l.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\np 3\n").expect("a model");
+    let looks = [
+        ("l.obj", "line-width = 5\npoint-size = 12\n"),
+        ("a.ply", "mode = 'wireframe'\nline-width = 4\n"),
+        ("a.ply", "mode = 'points'\npoint-size = 9\n"),
+    ];
+    for (file, options) in looks {
+        let model = format!("[[model]]\nfile = '{file}'\n{options}");
+        let other = "translate = [3, 0, 0]\nopacity = 0.2\n";
+        let size = "size = '160x120'\n";
+        let copy = format!("{size}{model}[[model.instance]]\n{other}");
+        scene(&place, "copy.toml", &copy);
+        scene(&place, "models.toml", &format!("{size}{model}{model}{other}"));
+        scene(&place, "opaque.toml", &copy.replace("0.2", "1"));
+        for name in ["copy", "models", "opaque"] {
+            place.run(&format!("{name}.toml -o {name}.ppm -q")).ok_silently();
+        }
+        same(&place, "copy.ppm", "models.ppm");
+        assert!(place.read("copy.ppm") != place.read("opaque.ppm"), "{file} {options}");
+        if file == "l.obj" {
+            place.run("copy.toml -o copy.svg -q").ok_silently();
+            let drawing = String::from_utf8(place.read("copy.svg")).expect("a text");
+            assert!(drawing.contains("stroke-opacity=\"0.2\""), "{drawing}");
+        }
+    }
+}
+
 #[test]
 fn ranks_threads_and_tiles_draw_the_same() {
     let place = blocks();

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use crate::{Aabb, Attribute, AttributeDomain, Mesh};
+use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
 
 /// sRGB colour and linear alpha of each vertex, if it has one of its own.
 pub type Colors = Vec<Option<[u8; 4]>>;
@@ -25,6 +25,8 @@ pub struct Strokes {
     pub segments: Vec<[u32; 2]>,
     /// A vertex number per point.
     pub points: Vec<u32>,
+    /// Materials that the file names for lines and points. What they look like is in `colors`.
+    pub materials: Vec<FileMaterial>,
 }
 
 impl Strokes {
@@ -60,6 +62,7 @@ impl Strokes {
             attributes: attributes.collect(),
             segments,
             points,
+            materials: Vec::new(),
         }
     }
 

@@ -226,6 +226,7 @@ mod tests {
             attributes: vec![attribute],
             segments: vec![[0, 1], [1, 0], [1, 2], [0, 0]],
             points: vec![0, 1, 2, 3],
+            materials: Vec::new(),
         };
         let bounds = Aabb { min: glam::DVec3::X, max: glam::DVec3::new(5.0, 2.0, 0.0) };
         let planes = [Clip::Fraction { axis: Axis::X, fraction: 0.25, keeps_lower: false }];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
-use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
+use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, FileMaterial, Mesh};
 
 /// The contents of a mesh in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,6 +158,8 @@ pub struct StrokesSummary {
     pub colors: bool,
     /// Their attributes, which are of vertices.
     pub attributes: Vec<AttributeSummary>,
+    /// Materials that the file names for them.
+    pub materials: Vec<FileMaterial>,
 }
 
 impl StrokesSummary {
@@ -167,6 +169,7 @@ impl StrokesSummary {
             bounds: strokes.bounds(),
             colors: strokes.colors.is_some(),
             attributes: strokes.attributes.iter().map(AttributeSummary::from_attribute).collect(),
+            materials: strokes.materials.clone(),
         })
     }
 }

@@ -123,26 +123,26 @@ fn attributes_json(attributes: &[AttributeSummary]) -> Value {
     attributes.iter().map(attribute).collect()
 }
 
+fn material_json(m: &FileMaterial) -> Value {
+    let textures = m.textures.iter().map(|(role, texture)| (role.name().to_owned(), texture_json(texture)));
+    json!({
+        "name": m.name,
+        "diffuse": m.diffuse,
+        "opacity": m.opacity,
+        "illumination": m.illumination,
+        "specular": m.specular,
+        "shininess": m.shininess,
+        "emissive": m.emissive,
+        "roughness": m.roughness,
+        "metallic": m.metallic,
+        "diffuse_texture": m.textures.diffuse.as_ref().map(|t| &t.file),
+        "textures": textures.collect::<serde_json::Map<_, _>>(),
+        "other_textures": m.other_textures,
+    })
+}
+
 fn json(model: &str, loaded: &Inspection) -> Value {
     let mut value = report::load_json(model, &loaded.report);
-    let material = |m: &FileMaterial| {
-        let textures =
-            m.textures.iter().map(|(role, texture)| (role.name().to_owned(), texture_json(texture)));
-        json!({
-            "name": m.name,
-            "diffuse": m.diffuse,
-            "opacity": m.opacity,
-            "illumination": m.illumination,
-            "specular": m.specular,
-            "shininess": m.shininess,
-            "emissive": m.emissive,
-            "roughness": m.roughness,
-            "metallic": m.metallic,
-            "diffuse_texture": m.textures.diffuse.as_ref().map(|t| &t.file),
-            "textures": textures.collect::<serde_json::Map<_, _>>(),
-            "other_textures": m.other_textures,
-        })
-    };
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
     value["attributes"] = attributes_json(&loaded.report.attributes);
     value["lines_and_points"] = loaded.report.strokes.as_ref().map_or(Value::Null, |strokes| {
@@ -150,9 +150,10 @@ fn json(model: &str, loaded: &Inspection) -> Value {
             "bounds": report::bounds_json(&strokes.bounds),
             "colors": strokes.colors,
             "attributes": attributes_json(&strokes.attributes),
+            "materials": strokes.materials.iter().map(material_json).collect::<Value>(),
         })
     });
-    value["materials"] = loaded.materials.iter().map(material).collect();
+    value["materials"] = loaded.materials.iter().map(material_json).collect();
     value["topology"] = topology(&loaded.report).map_or(Value::Null, |t| {
         json!({
             "closed": t.closed,
@@ -234,6 +235,8 @@ fn text(model: &str, loaded: &Inspection) -> String {
         if strokes.colors {
             rows.push(("holds", "colours of lines and points".into()));
         }
+        // Textures are not drawn on them.
+        rows.extend(strokes.materials.iter().map(|m| ("material of lines and points", m.name.clone())));
         rows.extend(strokes.attributes.iter().map(|a| attribute(a, "lines and points")));
     }
     if let Some(list) = report::not_drawn(&report::left(report)) {

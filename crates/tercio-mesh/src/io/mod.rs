@@ -164,13 +164,18 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
 /// Counts what is not drawn and what is not opaque; what is invisible everywhere becomes opaque.
 fn count_all(model: &mut ReadModel) {
     let is_cloud = model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
-    if is_cloud && model.strokes.is_empty() {
+    let are_vertices = is_cloud && model.strokes.is_empty();
+    if are_vertices {
         let points = (0..model.mesh.positions.len() as u32).collect();
         model.strokes = Strokes::of_vertices(&model.mesh, Vec::new(), points);
     }
     let (translucent, warning) = Translucent::count(&mut model.mesh);
     model.report.translucent = translucent;
     let of_strokes = translucent::make_strokes_opaque(&mut model.strokes);
+    // Points that are vertices of the mesh count as these.
+    if !are_vertices {
+        model.report.translucent.count_strokes(&model.strokes);
+    }
     model.report.warnings.extend(warning.or(of_strokes));
 }
 

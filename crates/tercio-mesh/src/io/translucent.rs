@@ -17,6 +17,12 @@ pub struct Translucent {
     pub vertices: u64,
     /// Faces.
     pub faces: u64,
+    /// Line segments.
+    #[serde(default)]
+    pub lines: u64,
+    /// Points.
+    #[serde(default)]
+    pub points: u64,
 }
 
 /// What has an alpha of 0 everywhere. That cannot be meant, as nothing would be visible.
@@ -35,6 +41,16 @@ impl Translucent {
         match unseen.make_opaque(mesh) {
             None => (counts, None),
             warning => (Self::look(mesh).0, warning),
+        }
+    }
+
+    /// Counts lines and points of the file, after those that are invisible everywhere became opaque.
+    pub(super) fn count_strokes(&mut self, strokes: &Strokes) {
+        let is_translucent = |&vertex: &u32| strokes.color(vertex).is_some_and(|c| is_translucent(&c));
+        if strokes.colors.is_some() {
+            self.lines =
+                strokes.segments.iter().filter(|ends| ends.iter().any(is_translucent)).count() as u64;
+            self.points = strokes.points.iter().filter(|point| is_translucent(point)).count() as u64;
         }
     }
 
@@ -131,6 +147,24 @@ mod tests {
         assert_eq!(make_strokes_opaque(&mut uncolored), None);
         assert_eq!(uncolored.color(1), Some([1, 2, 3, 0]));
         assert_eq!(make_strokes_opaque(&mut strokes(&[])), None);
+    }
+
+    #[test]
+    fn translucent_lines_and_points_are_counted() {
+        let mut strokes = Strokes {
+            positions: vec![[0.0; 3]; 4],
+            colors: Some(vec![Some([1, 2, 3, 255]), Some([1, 2, 3, 9]), None, Some([1, 2, 3, 255])]),
+            segments: vec![[0, 1], [1, 0], [0, 2], [3, 0]],
+            points: vec![1, 2, 3],
+            ..Strokes::default()
+        };
+        let mut counts = Translucent::default();
+        counts.count_strokes(&strokes);
+        assert_eq!(counts, Translucent { lines: 2, points: 1, ..Translucent::default() });
+        strokes.colors = None;
+        counts = Translucent::default();
+        counts.count_strokes(&strokes);
+        assert_eq!(counts, Translucent::default());
     }
 
     fn counted(alphas: &[u8]) -> (Mesh, Translucent, Option<String>) {

@@ -28,7 +28,7 @@ pub struct Placement {
     pub place: PlaceArgs,
     /// Linear RGB, if it is not that of the model.
     pub color: Option<[f32; 3]>,
-    /// If it is not that of the model.
+    /// If it is not that of the model; also of its lines, its points, and its edges that are drawn alone.
     pub opacity: Option<f64>,
     /// Whether it is drawn in `color`, whatever colours the model has.
     pub no_mesh_colors: bool,
@@ -136,6 +136,13 @@ impl Render {
     /// The models of the picture, each with its options.
     pub(super) fn members(&self) -> impl Iterator<Item = &Self> + Clone {
         std::iter::once(self).chain(&self.others)
+    }
+
+    /// The opacity of this model at one of its places: the model itself is 0, and its further places follow.
+    pub(super) fn opacity_of(&self, copy: usize) -> f32 {
+        let placement = copy.checked_sub(1).and_then(|number| self.placements.get(number));
+        let own = placement.and_then(|placement| placement.opacity);
+        own.map_or_else(|| self.drawing.surface().opacity, |opacity| opacity as f32)
     }
 
     /// What is said about each model.

@@ -192,6 +192,7 @@ impl Render {
         let mut drawn = Vec::new();
         let pen = self.strokes.edge_pen();
         for (copy, place) in of_model.places.iter().enumerate() {
+            let first_of_copy = drawn.len();
             for (number, (edges, part)) in edges.iter().enumerate() {
                 let data = edge_data.get(number).and_then(|all| all.get(copy).or(all.first()));
                 drawn.extend(match line_shape {
@@ -199,26 +200,35 @@ impl Render {
                     LineShape::Tube => strokes::edge_tubes(eye, (edges, place), &pen, data),
                 });
             }
+            // Edges on a surface have the alpha of their colour only.
+            if !self.strokes.has_surface() {
+                fade(&mut drawn[first_of_copy..], self.opacity_of(copy));
+            }
         }
-        // Edges on a surface have the alpha of their colour only.
-        let first_of_model = if self.strokes.has_surface() { drawn.len() } else { 0 };
         let pens = self.strokes.pens(self.drawing.color(), is_darkened);
         if self.strokes.has_vertices() {
             for instance in instances {
+                let first = drawn.len();
                 drawn.extend(strokes::vertices(eye, instance, shape, &pens.points));
+                fade(&mut drawn[first..], instance.surface.opacity);
             }
         }
-        for place in &of_model.places {
+        for (copy, place) in of_model.places.iter().enumerate() {
+            let first_of_copy = drawn.len();
             drawn.extend(strokes::lines(eye, (file, place), line_shape, &pens.lines, data.as_ref()));
             drawn.extend(strokes::points(eye, (file, place), shape, &pens.points, data.as_ref()));
+            fade(&mut drawn[first_of_copy..], self.opacity_of(copy));
         }
-        let opacity = self.drawing.surface().opacity;
-        drawn[first_of_model..].iter_mut().for_each(|instance| instance.surface.opacity = opacity);
         for glyphs in glyphs {
             drawn.extend(glyphs::draw(eye, glyphs, &self.strokes.glyph_pen()));
         }
         drawn
     }
+}
+
+/// Gives lines, edges or points an opacity in addition to that of their colours.
+fn fade(drawn: &mut [Instance], opacity: f32) {
+    drawn.iter_mut().for_each(|instance| instance.surface.opacity = opacity);
 }
 
 /// Do the data of an instance depend on where it is?

@@ -201,16 +201,17 @@ impl Render {
             instances.for_each(|instance| self.add_contours(sketch, instance));
         }
         let Drawable { file, data, edges, .. } = &of_model.drawable;
-        let opacity = self.drawing.surface().opacity;
-        let file = &*faded(in_colors_of(data.as_ref(), file), opacity);
+        let file = in_colors_of(data.as_ref(), file);
         let pens = self.strokes.pens(self.drawing.color(), false);
-        let [lines, points] =
-            [pens.lines, pens.points].map(|pen| Pen { color: fade(pen.color, opacity), ..pen });
-        let mut edge_pen = self.strokes.edge_pen();
-        if !self.strokes.has_surface() {
-            edge_pen.color = fade(edge_pen.color, opacity);
-        }
-        for place in &of_model.places {
+        for (copy, place) in of_model.places.iter().enumerate() {
+            let opacity = self.opacity_of(copy);
+            let file = &*faded(Cow::Borrowed(&*file), opacity);
+            let [lines, points] =
+                [pens.lines, pens.points].map(|pen| Pen { color: fade(pen.color, opacity), ..pen });
+            let mut edge_pen = self.strokes.edge_pen();
+            if !self.strokes.has_surface() {
+                edge_pen.color = fade(edge_pen.color, opacity);
+            }
             for (edges, part) in edges {
                 sketch.edges(edges, place, &edge_pen, *part != EdgePart::All);
             }

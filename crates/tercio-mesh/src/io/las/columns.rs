@@ -1,14 +1,13 @@
 //! What points become.
 
-use super::header::{Header, Layout, f64_at, u16_at};
-use crate::doubles::store;
+use super::header::{Header, f64_at, u16_at};
+use crate::doubles::{Doubles, all_stored, store};
 use crate::strokes::Colors;
 use crate::{Attribute, AttributeDomain};
 
 /// Points, by what they have.
-#[derive(Debug)]
-pub struct Columns {
-    layout: Layout,
+pub struct Columns<'a> {
+    header: &'a Header,
     positions: Vec<[i32; 3]>,
     colors: Vec<[u16; 3]>,
     intensity: Vec<u16>,
@@ -17,12 +16,14 @@ pub struct Columns {
     sources: Vec<u16>,
     times: Vec<f64>,
     nir: Vec<u16>,
+    /// Values of extra bytes, by dimension.
+    extra: Vec<Vec<f64>>,
 }
 
-impl Columns {
-    pub fn new(layout: Layout) -> Self {
+impl<'a> Columns<'a> {
+    pub fn new(header: &'a Header) -> Self {
         Self {
-            layout,
+            header,
             positions: Vec::new(),
             colors: Vec::new(),
             intensity: Vec::new(),
@@ -31,14 +32,16 @@ impl Columns {
             sources: Vec::new(),
             times: Vec::new(),
             nir: Vec::new(),
+            extra: header.extra.dimensions.iter().map(|_| Vec::new()).collect(),
         }
     }
 
     /// Bytes of memory for every point, also of what it becomes.
     pub fn bytes_of_a_point(&self) -> u64 {
-        let layout = &self.layout;
+        let layout = &self.header.layout;
         let if_there = |place: Option<usize>, bytes: u64| place.map_or(0, |_| bytes);
-        19 + 20 + if_there(layout.rgb, 11) + if_there(layout.gps, 12) + if_there(layout.nir, 6)
+        let extra = 12 * self.extra.len() as u64;
+        19 + 20 + if_there(layout.rgb, 11) + if_there(layout.gps, 12) + if_there(layout.nir, 6) + extra
     }
 
     /// Adds the record of a point.
@@ -53,7 +56,8 @@ impl Columns {
         self.positions.push([axis(0), axis(1), axis(2)]);
         self.intensity.push(number(12));
         let returns = byte(14);
-        if self.layout.is_new {
+        let layout = &self.header.layout;
+        if layout.is_new {
             self.returns.push([returns & 15, returns >> 4]);
             self.classes.push(byte(16));
             self.sources.push(number(20));
@@ -62,14 +66,17 @@ impl Columns {
             self.classes.push(byte(15) & 31);
             self.sources.push(number(18));
         }
-        if let Some(at) = self.layout.gps {
+        if let Some(at) = layout.gps {
             self.times.push(f64_at(record, at).unwrap_or(0.0));
         }
-        if let Some(at) = self.layout.rgb {
+        if let Some(at) = layout.rgb {
             self.colors.push([number(at), number(at + 2), number(at + 4)]);
         }
-        if let Some(at) = self.layout.nir {
+        if let Some(at) = layout.nir {
             self.nir.push(number(at));
+        }
+        for (dimension, values) in self.header.extra.dimensions.iter().zip(&mut self.extra) {
+            values.push(dimension.value(record));
         }
     }
 
@@ -83,11 +90,12 @@ impl Columns {
         self.sources.extend(other.sources);
         self.times.extend(other.times);
         self.nir.extend(other.nir);
+        self.extra.iter_mut().zip(other.extra).for_each(|(all, more)| all.extend(more));
     }
 
     /// The positions, in the coordinates of the file. They are not kept.
-    pub fn points(&mut self, header: &Header) -> Vec<[f64; 3]> {
-        let (scale, offset) = (header.scale, header.offset);
+    pub fn points(&mut self) -> Vec<[f64; 3]> {
+        let (scale, offset) = (self.header.scale, self.header.offset);
         let point = |p: [i32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) * scale[k] + offset[k]);
         std::mem::take(&mut self.positions).into_iter().map(point).collect()
     }
@@ -103,8 +111,8 @@ impl Columns {
         (most > 0).then(|| colors.into_iter().map(color).collect())
     }
 
-    /// All other values.
-    pub fn attributes(self) -> Vec<Attribute> {
+    /// All other values, and warnings of those that are rounded.
+    pub fn attributes(self) -> (Vec<Attribute>, Vec<String>) {
         let (times, of_times) = store(&self.times);
         let of_u16 = |values: &[u16]| values.iter().map(|&v| f32::from(v)).collect::<Vec<f32>>();
         let of_returns = |k: usize| self.returns.iter().map(|r| f32::from(r[k])).collect();
@@ -117,14 +125,22 @@ impl Columns {
             ("gps_time", times),
             ("nir", of_u16(&self.nir)),
         ];
-        let is_there = [true, true, true, true, true, self.layout.gps.is_some(), self.layout.nir.is_some()];
-        let attribute = |(name, values): (&str, Vec<f32>)| {
-            let (name, domain) = (name.into(), AttributeDomain::Vertex);
-            Attribute { name, domain, values, offset: 0.0 }
-        };
+        let layout = &self.header.layout;
+        let is_there = [true, true, true, true, true, layout.gps.is_some(), layout.nir.is_some()];
+        let domain = AttributeDomain::Vertex;
+        let attribute =
+            |(name, values): (&str, _)| Attribute { name: name.into(), domain, values, offset: 0.0 };
         let all = all.into_iter().zip(is_there).filter(|(_, is)| *is).map(|(all, _)| attribute(all));
         let mut all: Vec<Attribute> = all.collect();
         all.iter_mut().filter(|a| a.name == "gps_time").for_each(|a| a.offset = of_times);
-        all
+        let mut warnings = Vec::new();
+        // One after the other, so that no more than one is there twice.
+        for (dimension, values) in self.header.extra.dimensions.iter().zip(self.extra) {
+            let doubles = Doubles::of(&values);
+            let (name, offset) = (dimension.name.clone(), doubles.offset());
+            warnings.extend(doubles.warning(&name, dimension.has_integers()));
+            all.push(Attribute { name, domain, values: all_stored(&values, offset), offset });
+        }
+        (all, warnings)
     }
 }

@@ -1,5 +1,6 @@
 //! The header.
 
+use super::extra::Extra;
 use crate::ReadError;
 use crate::error::Place;
 use crate::io::input::Input;
@@ -8,6 +9,8 @@ use crate::io::input::Input;
 const SHORTEST: usize = 227;
 /// Bytes of the head of a record of variable length.
 const RECORD_HEAD: usize = 54;
+/// User and number of the record that describes extra bytes.
+const EXTRA_BYTES: (&str, u16) = ("LASF_Spec", 4);
 
 /// Where a point has what.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +65,8 @@ pub struct Header {
     pub begin: usize,
     /// How points are compressed: a record of LASzip.
     pub laszip: Option<(usize, usize)>,
+    /// What is known of the extra bytes of a point.
+    pub extra: Extra,
 }
 
 fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
@@ -144,25 +149,31 @@ impl Header {
             return Err(malformed(96, &expected, begin.to_string()));
         }
         let is_packed = packed_format & 0xc0 != 0;
+        let record_of = |user, number| Self::record_of(bytes, size, begin, user, number);
         let laszip = if is_packed {
-            let found = Self::laszip(bytes, size, begin);
+            let found = record_of(laz::LazVlr::USER_ID, laz::LazVlr::RECORD_ID);
             Some(found.ok_or_else(|| {
                 malformed(size, "a record \"laszip encoded\" before the points", "none".into())
             })?)
         } else {
             None
         };
-        Ok(Self { minor, format, is_packed, layout, record, points, scale, offset, begin, laszip })
+        let extra = match record_of(EXTRA_BYTES.0, EXTRA_BYTES.1) {
+            Some((from, to)) => Extra::parse(bytes.get(from..to).unwrap_or_default(), layout.bytes, record)
+                .map_err(|(at, expected, found)| malformed(from + at, &expected, found))?,
+            None => Extra::default(),
+        };
+        Ok(Self { minor, format, is_packed, layout, record, points, scale, offset, begin, laszip, extra })
     }
 
-    /// Where the record of LASzip is.
-    fn laszip(bytes: &[u8], mut at: usize, end: usize) -> Option<(usize, usize)> {
+    /// Where the first record of variable length of a user with a number is, among those from one byte to another.
+    fn record_of(bytes: &[u8], mut at: usize, end: usize, user: &str, number: u16) -> Option<(usize, usize)> {
         for _ in 0..u32_at(bytes, 100)? {
             let head = bytes.get(at..end)?.get(..RECORD_HEAD)?;
             let length = usize::from(u16_at(head, 20)?);
             let from = at + RECORD_HEAD;
-            if head.get(2..).is_some_and(|id| id.starts_with(laz::LazVlr::USER_ID.as_bytes()))
-                && u16_at(head, 18) == Some(laz::LazVlr::RECORD_ID)
+            if head.get(2..).is_some_and(|id| id.starts_with(user.as_bytes()))
+                && u16_at(head, 18) == Some(number)
             {
                 return (from + length <= end).then_some((from, from + length));
             }

@@ -3,15 +3,20 @@
 //! Points become [strokes](crate::strokes): positions with the scale and the offset of the file, in `f64`, then relative to the
 //! origin of the mesh; colours, which have 16 bits, or 8 in files in which none is above 255; and the attributes `intensity`,
 //! `return_number`, `number_of_returns`, `classification`, `point_source_id`, `gps_time` (with an
-//! [offset](crate::Attribute::offset)) and `nir`, as far as the format of the points has them. Waveforms and extra bytes are left out. LAZ is decompressed by
-//! the crate `laz`, chunk by chunk in parallel.
+//! [offset](crate::Attribute::offset)) and `nir`, as far as the format of the points has them. Extra bytes that the record EXTRA_BYTES
+//! describes are attributes by its names, with their scale and offset, and NaN where a point has the value for no data; those of two
+//! or three values, which the specification no longer has, are `NAME:0`, `NAME:1` and so on. Waveforms and other extra bytes are left
+//! out. LAZ is decompressed by the crate `laz`, chunk by chunk in parallel.
 //!
 //! Source: ASPRS, "LAS Specification 1.4 - R15" (2019).
 
 mod columns;
+mod extra;
 mod header;
 mod packed;
 mod skipped;
+#[cfg(test)]
+mod tests;
 
 use crate::loops::prelude::*;
 
@@ -41,10 +46,14 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     if count > MAX_ELEMENTS {
         return Err(ReadError::TooMany { file: input.name.clone(), what: "points", count });
     }
-    let mut columns = Columns::new(header.layout);
+    let mut columns = Columns::new(&header);
     let each = 24 + 12 + 4 + columns.bytes_of_a_point();
     let pieces = (rayon::current_num_threads() * 4 * PIECE) as u64 * (header.record as u64 + each);
-    let needed = count.saturating_mul(each).saturating_add(pieces.min(count.saturating_mul(each)));
+    let tables = if header.is_packed { packed::bytes_of_tables(&header) } else { 0 };
+    let needed = count
+        .saturating_mul(each)
+        .saturating_add(pieces.min(count.saturating_mul(each)))
+        .saturating_add(tables);
     options.check_memory(&input.name, "its points", input.held_bytes().saturating_add(needed))?;
     if let Some(progress) = options.progress {
         progress.begin("reading points", count);
@@ -59,20 +68,23 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     } else {
         plain(input, &header, &mut columns, advance)?;
     }
-    let points = columns.points(&header);
+    let points = columns.points();
     let (coordinates, origin, positions) = localize_at(&points, options.origin);
     drop(points);
+    let colors = columns.colors();
+    let (attributes, warnings) = columns.attributes();
     let strokes = Strokes {
         origin,
         positions,
-        colors: columns.colors(),
-        attributes: columns.attributes(),
+        colors,
+        attributes,
         points: (0..count as u32).collect(),
         ..Strokes::default()
     };
-    let mut report = ReadReport { format: header.name(), ..ReadReport::default() };
+    let mut report = ReadReport { format: header.name(), warnings, ..ReadReport::default() };
     report.not_drawn.points = count;
-    if let Some(extra) = header.layout.extra(header.record).filter(|&extra| extra > 0) {
+    let extra = header.layout.extra(header.record).unwrap_or(0).saturating_sub(header.extra.bytes());
+    if extra > 0 {
         report.warnings.push(format!("left out {} of every point", counted(extra as u64, "extra byte")));
     }
     let mesh = Mesh { origin, ..Mesh::default() };
@@ -80,10 +92,10 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
 }
 
 /// Points that are not compressed.
-fn plain(
+fn plain<'a>(
     input: &Input,
-    header: &Header,
-    columns: &mut Columns,
+    header: &'a Header,
+    columns: &mut Columns<'a>,
     advance: impl Fn(usize) + Sync,
 ) -> Result<(), ReadError> {
     let rest = input.bytes().get(header.begin..).unwrap_or_default();
@@ -99,7 +111,7 @@ fn plain(
     let group = rayon::current_num_threads() * 4 * PIECE * header.record;
     for group in bytes.chunks(group.max(1)) {
         let read = |records: &[u8]| {
-            let mut own = Columns::new(header.layout);
+            let mut own = Columns::new(header);
             records.chunks_exact(header.record).for_each(|record| own.add(record));
             input.consumed(records.len());
             advance(records.len() / header.record);

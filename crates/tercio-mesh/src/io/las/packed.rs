@@ -4,6 +4,7 @@
 use std::io::Cursor;
 
 use crate::loops::prelude::*;
+use laz::las::{v3, v4};
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
 use laz::{LazItem, LazItemType, LazVlr};
@@ -21,6 +22,15 @@ const DAMAGED: &str = "damaged data";
 /// Items of a point: its own, time, colours, waves, and more bytes. Each has a decompressor, whatever its size.
 const MOST_ITEMS: usize = 8;
 
+/// Bytes of tables that the decompressor of an extra byte in layers has: 4 models of 256 symbols.
+const TABLES_OF_A_BYTE: u64 = 10_000;
+
+/// Bytes of the tables for extra bytes, of all threads.
+pub fn bytes_of_tables(header: &Header) -> u64 {
+    let chunks = header.points.min(rayon::current_num_threads() as u64);
+    TABLES_OF_A_BYTE * header.extra.bytes() as u64 * chunks
+}
+
 /// A part that is compressed by itself.
 struct Chunk<'a> {
     /// Where it is in the file.
@@ -30,10 +40,10 @@ struct Chunk<'a> {
 }
 
 /// Reads compressed points.
-pub fn read(
+pub fn read<'a>(
     input: &Input,
-    header: &Header,
-    columns: &mut Columns,
+    header: &'a Header,
+    columns: &mut Columns<'a>,
     advance: impl Fn(usize) + Sync,
 ) -> Result<(), ReadError> {
     let bytes = input.bytes();
@@ -73,12 +83,12 @@ pub fn read(
     let group = rayon::current_num_threads() * 4;
     for group in chunks.chunks(group) {
         let read = |chunk: &Chunk| {
-            let mut own = Columns::new(header.layout);
+            let mut own = Columns::new(header);
             let expected = counted(chunk.points as u64, "compressed point");
             let damaged = |found: String| wrong(chunk.at, &expected, found);
             // The decompressor has no checks of its own for every damage.
             let result = guarded(damaged(DAMAGED.into()), || {
-                chunk.unpack(vlr.items(), is_layered, header.record, &mut own).map_err(damaged)
+                chunk.unpack(vlr.items(), is_layered, header, &mut own).map_err(damaged)
             });
             advance(chunk.points);
             input.consumed(chunk.bytes.len());
@@ -152,18 +162,28 @@ impl Chunk<'_> {
         &self,
         items: &Vec<LazItem>,
         is_layered: bool,
-        record: usize,
+        header: &Header,
         columns: &mut Columns,
     ) -> Result<(), String> {
+        let record = header.record;
         let source = Cursor::new(self.bytes);
         let mut decompressor: Box<dyn RecordDecompressor<Cursor<&[u8]>>> = if is_layered {
             self.check_layers(items, record)?;
             let mut layered = LayeredPointRecordDecompressor::new(source);
             for item in items {
                 match item.item_type() {
-                    // Layers of other versions are refused below.
+                    // Layers of other versions are refused below. Each byte has a layer and models of its own, so that bytes next to
+                    // each other can have different decompressors.
                     LazItemType::Byte14(count) if matches!(item.version(), 3 | 4) => {
-                        layered.add_field_decompressor(Skipped::new(count.into()))
+                        for (bytes, is_described) in header.extra.runs(layered.record_size(), count.into()) {
+                            match (is_described, item.version()) {
+                                (false, _) => layered.add_field_decompressor(Skipped::new(bytes)),
+                                (_, 3) => {
+                                    layered.add_field_decompressor(v3::LasExtraByteDecompressor::new(bytes))
+                                }
+                                _ => layered.add_field_decompressor(v4::LasExtraByteDecompressor::new(bytes)),
+                            }
+                        }
                     }
                     _ => layered.set_fields_from(&vec![*item]).map_err(|error| error.to_string())?,
                 }

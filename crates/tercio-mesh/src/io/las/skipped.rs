@@ -1,5 +1,6 @@
-//! More bytes of points in layers, which nothing shows: they are passed over. Their decompressor has tables of a megabyte for every hundred
-//! bytes of a point and looks at each byte of each point, and a layer without bytes stands for any number of them.
+//! Extra bytes of points in layers that nothing describes, so that nothing shows them: they are passed over. Their decompressor has
+//! tables of a megabyte for every hundred bytes of a point and looks at each byte of each point, and a layer without bytes stands for
+//! any number of them.
 
 use std::io::{Read, Result, Seek, SeekFrom};
 

@@ -166,6 +166,8 @@ fn lines_and_points_have_the_colors_of_their_materials() {
     assert_eq!(m.mesh.materials.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["red"]);
     assert_eq!(m.report.warnings, ["found no definition of 1 material: \"gone\""]);
     let strokes = &m.strokes;
+    let of_strokes: Vec<_> = strokes.materials.iter().map(|m| (m.name.as_str(), m.opacity)).collect();
+    assert_eq!(of_strokes, [("red", 1.0), ("plain", 1.0), ("pale", 0.2)]);
     let color_and_place = |v: u32| (strokes.color(v), strokes.positions[v as usize]);
     let of_file = |v: usize| m.mesh.positions[v - 1];
     let [grey, red, pale] = [[204, 204, 204, 255], [255, 0, 0, 255], [0, 0, 255, 51]].map(Some);

@@ -110,6 +110,7 @@ pub fn join(file: &str, mut parts: Vec<Part>, origin: Option<DVec3>) -> Result<R
         attributes: whole.strokes.attributes,
         segments: whole.strokes.segments,
         points: whole.strokes.points,
+        materials: Vec::new(),
     };
     let mut report = ReadReport::default();
     report.not_drawn.lines = strokes.segments.len() as u64;

@@ -78,6 +78,24 @@ fn colours_are_bytes_in_text_too() {
     }
 }
 
+/// VTK takes one component as luminance, and a second one as alpha.
+#[test]
+fn one_component_of_colours_is_grey() {
+    let grey = |value: u8, alpha| [value, value, value, alpha];
+    let of_values = vec![grey(0, 255), grey(128, 255), grey(255, 255)];
+    let with_alpha = vec![grey(3, 255), grey(200, 10), grey(255, 0)];
+    let cases = [(1, vec![0, 128, 255], of_values), (2, vec![3, 255, 200, 10, 255, 0], with_alpha)];
+    for (components, colors, expected) in cases {
+        let text = colored("ASCII", components, divided(&colors).as_bytes());
+        for bytes in [text, colored("BINARY", components, &colors)] {
+            assert_eq!(read(&bytes).mesh.vertex_colors.as_ref(), Some(&expected));
+        }
+    }
+    let text = String::from_utf8(colored("ASCII", 1, b"0.5")).expect("a text");
+    let of_cell = text.replace("POINT_DATA 3", "CELL_DATA 1");
+    assert_eq!(read(of_cell.as_bytes()).mesh.face_colors, Some(vec![grey(128, 255)]));
+}
+
 #[test]
 fn colours_outside_are_cut_off_with_a_warning() {
     let model = read(&colored("ASCII", 1, b"-0.5 1.5 255"));

@@ -65,6 +65,9 @@ pub fn add_materials<'a>(
             None => Mesh::NO_MATERIAL,
         })
         .collect();
+    let mut listed = HashSet::new();
+    let names = of_segments.names.iter().chain(&of_dots.names).filter(|name| listed.insert(**name));
+    let materials = names.filter_map(|name| find(name).cloned()).collect();
     let [segments, points] = [of_segments, of_dots].map(|used| {
         let colors = used.names.iter().map(|name| find(name).map(flat_color)).collect();
         Paints { used, colors }
@@ -84,7 +87,7 @@ pub fn add_materials<'a>(
             Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
     }
     let has_color = |paints: &Paints| paints.colors.iter().any(Option::is_some);
-    (has_color(&segments) || has_color(&points)).then_some(Painted { segments, points })
+    (has_color(&segments) || has_color(&points)).then_some(Painted { segments, points, materials })
 }
 
 fn load_libraries(

@@ -18,10 +18,12 @@ pub fn strokes(chunks: &mut [Chunk], mesh: &Mesh, warnings: &mut Vec<String>) ->
     Strokes::of_vertices(mesh, segments, points)
 }
 
-/// Colours of materials of lines and points.
+/// Materials of lines and points, and their colours.
 pub struct Painted<'a> {
     pub segments: Paints<'a>,
     pub points: Paints<'a>,
+    /// All of these materials, each once.
+    pub materials: Vec<FileMaterial>,
 }
 
 /// Materials of elements of one kind.
@@ -33,11 +35,11 @@ pub struct Paints<'a> {
 
 impl Painted<'_> {
     /// The lines and points in these colours.
-    pub fn paint(&self, strokes: Strokes) -> Strokes {
-        strokes.colored(
-            |number, own| self.segments.color(number, own),
-            |number, own| self.points.color(number, own),
-        )
+    pub fn paint(self, strokes: Strokes) -> Strokes {
+        let Self { segments, points, materials } = self;
+        let colored = strokes
+            .colored(|number, own| segments.color(number, own), |number, own| points.color(number, own));
+        Strokes { materials, ..colored }
     }
 }
 
