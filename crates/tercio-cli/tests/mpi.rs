@@ -131,7 +131,9 @@ fn a_silent_rank_is_named_and_ends_the_job_on_request() {
 #[cfg(target_os = "linux")]
 fn process_of(rank: usize, of: u32) -> Option<u32> {
     let children = |id: u32| {
-        let text = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap_or_default();
+        let threads = std::fs::read_dir(format!("/proc/{id}/task")).into_iter().flatten().flatten();
+        let of_thread = |thread: std::fs::DirEntry| std::fs::read_to_string(thread.path().join("children"));
+        let text: String = threads.map(|thread| of_thread(thread).unwrap_or_default() + " ").collect();
         text.split_whitespace().filter_map(|id| id.parse().ok()).collect::<Vec<u32>>()
     };
     let variable = format!("OMPI_COMM_WORLD_RANK={rank}");
@@ -146,37 +148,63 @@ fn process_of(rank: usize, of: u32) -> Option<u32> {
     None
 }
 
+#[test]
+fn processes_send_all_pixels() {
+    let place = Place::new();
+    let model = "render builtin:teapot@5k --size 200x150 --threads 1 --aa 1";
+    place.run(&format!("{model} -o a.png --quiet")).ok_silently();
+    let dense = format!("{model} -o b.png --quiet --organisation sort-last --encoding dense");
+    mpirun(&place, &[(3, &dense)]).ok_silently();
+    assert!(place.read("a.png") == place.read("b.png"));
+    // Compared before anything is drawn.
+    let sparse = dense.replace("dense", "sparse");
+    let outcome = mpirun(&place, &[(1, &dense), (1, &sparse)]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("rank 1 would"), "{}", outcome.stderr);
+}
+
 /// A process is stopped, or killed, while the job draws a series.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_process_that_is_stopped_or_killed_ends_the_job() {
-    for (signal, rank) in [("-STOP", 1), ("-KILL", 1), ("-KILL", 0)] {
+    // With three processes, one that is itself waiting for the stopped one may be named.
+    for (signal, rank, count) in [("-STOP", 1, 2), ("-KILL", 1, 3), ("-KILL", 0, 3)] {
         let place = Place::new();
         let draws = "render builtin:teapot@2k --size 60x40 --turntable 9999 -o {}.png --quiet --timeout 2.5";
-        let mut job = command(&place, &[(3, draws)]);
+        let mut job = command(&place, &[(count, draws)]);
         let mut job = job.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("mpirun starts");
+        let pictures =
+            || -> Vec<String> { place.names().into_iter().filter(|name| name.ends_with(".png")).collect() };
         let id = loop {
-            let is_drawing = place.names().iter().filter(|name| name.ends_with(".png")).count() > 2;
-            match process_of(rank, job.id()).filter(|_| is_drawing) {
-                Some(id) => break id,
-                None => std::thread::sleep(std::time::Duration::from_millis(50)),
+            if pictures().len() > 2
+                && let Some(id) = process_of(rank, job.id())
+            {
+                break id;
             }
-            assert!(job.try_wait().expect("a state").is_none(), "the job ended before it drew");
+            let has_ended = job.try_wait().expect("a state").is_some();
+            assert!(!has_ended, "no process of rank {rank} was found before the job ended");
+            std::thread::sleep(std::time::Duration::from_millis(50));
         };
         assert!(Command::new("kill").args([signal, &id.to_string()]).status().expect("kill").success());
         let outcome: Outcome = job.wait_with_output().expect("the job ends").into();
         let what = format!("{signal} of rank {rank}: {}", outcome.stderr);
         assert!(outcome.code.is_some_and(|code| code != 0 && code != 124), "{what}");
         if signal == "-STOP" {
-            assert!(outcome.stderr.contains("rank 1 has been silent for 2 s"), "{what}");
+            assert!(outcome.stderr.contains("rank 1 has been silent for"), "{what}");
         }
-        // What is there is whole.
-        let pictures: Vec<String> = place.names().into_iter().filter(|name| name != "model.off").collect();
-        assert!(pictures.len() < 9999 && pictures.iter().all(|name| name.ends_with(".png")), "{pictures:?}");
+        // What has the name of a picture is whole. Who is killed cannot remove what it has begun to write.
+        let pictures = pictures();
+        assert!(pictures.len() < 9999, "{what}");
         for name in &pictures {
-            let bytes = place.read(name);
-            assert!(bytes.ends_with(b"IEND\xae\x42\x60\x82"), "{name}, {what}");
+            assert!(place.read(name).ends_with(b"IEND\xae\x42\x60\x82"), "{name}, {what}");
         }
+        let others = place.names().into_iter().filter(|name| !pictures.contains(name) && name != "model.off");
+        let others: Vec<String> = others.collect();
+        let may_remain = usize::from((signal, rank) == ("-KILL", 0));
+        assert!(
+            others.len() <= may_remain && others.iter().all(|name| name.ends_with(".part")),
+            "{others:?}"
+        );
     }
 }
 

@@ -436,6 +436,16 @@ fn the_picture_does_not_depend_on_ranks() {
         assert_eq!(stats["frame"]["backend"]["pixels_visible"], visible(parallel));
     }
     place.run(&format!("{model} -o a.png --organisation sort-last")).failed(2, &["--ranks"]);
+    // All pixels: only where each is one sample, and nothing translucent.
+    let dense = "--ranks 3 --organisation sort-last --encoding dense";
+    place.run(&format!("{model} -o a.png {dense}")).failed(2, &["--encoding dense", "--aa 1"]);
+    place.run(&format!("{model} -o a.png {dense} --aa 1 --opacity 0.5")).failed(1, &["encoding of pixels"]);
+    place.run(&format!("{model} -o a.png --aa 1")).ok_silently();
+    for how in ["sort-last", "sort-last --composition ring", "sort-twice --group 2"] {
+        let options = format!("--ranks 3 --organisation {how} --encoding dense");
+        place.run(&format!("{model} -o b.png --aa 1 {options}")).ok_silently();
+        assert!(place.read("a.png") == place.read("b.png"), "{options}");
+    }
     for ranks in ["--ranks 0", "--ranks 1025", "--ranks many"] {
         place.run(&format!("{model} -o a.png {ranks}")).failed(2, &["expected 1 to 1024"]);
     }

@@ -551,3 +551,39 @@ fn opacity_is_that_of_lines_points_and_edges_alone() {
     let drawing = String::from_utf8(place.read("a.svg")).unwrap();
     assert!(drawing.contains("stroke-opacity=\"0.2\""), "{drawing}");
 }
+
+/// Vertices drawn as points have the colours of faces and of their materials, if they have none of their own.
+#[test]
+fn vertices_have_the_colours_of_their_faces() {
+    let place = Place::new();
+    // A triangle on the left, and one on the right.
+    let vertices = [[-3, 0], [-2, 0], [-2, 1], [2, 0], [3, 0], [2, 1]];
+    let lines = |before: &str| vertices.map(|[x, y]| format!("{before}{x} {y} 0\n")).concat();
+    fs::write(place.path("m.mtl"), "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n").unwrap();
+    let obj = format!("mtllib m.mtl\n{}usemtl red\nf 1 2 3\nusemtl blue\nf 4 5 6\n", lines("v "));
+    fs::write(place.path("materials.obj"), obj).unwrap();
+    let header = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n\
+        property uchar blue\nend_header\n";
+    let ply = format!("{header}{}3 0 1 2 255 0 0\n3 3 4 5 0 0 255\n", lines(""));
+    fs::write(place.path("faces.ply"), ply).unwrap();
+    let look = "--mode points --point-size 12 --view front --up-axis y --background white --aa 1";
+    for model in ["materials.obj", "faces.ply"] {
+        let draw = |options: &str| Picture::render(&place, &format!("{model} {look} {options}"));
+        let count = |picture: &Picture, color: [u8; 3], half: usize| {
+            let columns = half * WIDTH / 2..(half + 1) * WIDTH / 2;
+            (0..HEIGHT)
+                .flat_map(|y| columns.clone().map(move |x| (x, y)))
+                .filter(|&(x, y)| picture.at(x, y) == color)
+                .count()
+        };
+        let picture = draw("");
+        // Three points of 12 x 12 pixels or a little less, each.
+        for (color, half) in [([255, 0, 0], 0), ([0, 0, 255], 1)] {
+            let found = [count(&picture, color, half), count(&picture, color, 1 - half)];
+            assert!(found[0] > 200 && found[1] == 0, "{model}: {color:?} {found:?}");
+        }
+        let plain = draw("--no-mesh-colors");
+        assert_eq!(count(&plain, [255, 0, 0], 0) + count(&plain, [0, 0, 255], 1), 0, "{model}");
+    }
+}

@@ -34,6 +34,14 @@ pub struct FileMaterial {
     pub other_textures: Vec<String>,
 }
 
+impl FileMaterial {
+    /// sRGB colour and linear alpha where there is neither light nor texture.
+    pub fn flat_color(&self) -> [u8; 4] {
+        let [r, g, b] = self.diffuse;
+        [r, g, b, self.opacity].map(|level| (level * 255.0).round() as u8)
+    }
+}
+
 impl Default for FileMaterial {
     fn default() -> Self {
         Self {

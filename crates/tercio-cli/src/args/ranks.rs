@@ -222,6 +222,19 @@ impl RanksArgs {
         }
     }
 
+    /// Refuses `--encoding dense` with several samples per pixel.
+    ///
+    /// # Errors
+    /// They are refused.
+    pub fn check_samples(&self, samples: usize) -> Result<(), UsageError> {
+        if self.encoding == Some(EncodingName::Dense) && samples > 1 {
+            return Err(UsageError(
+                "--encoding dense composites pixels, not samples: it needs --aa 1".into(),
+            ));
+        }
+        Ok(())
+    }
+
     /// How long a rank waits for another one.
     pub fn timeout(&self) -> Option<Duration> {
         // Longer times than there are: for ever.
@@ -333,6 +346,12 @@ impl Drawers {
             // As many processes as there may be.
             Self::Mpi(how) => how.may_composite(usize::MAX),
         }
+    }
+
+    /// Does each rank send all pixels?
+    pub fn sends_all(self) -> bool {
+        let (Self::InProcess(_, how) | Self::Mpi(how)) = self else { return false };
+        matches!(how, How::As(Sharing { encoding: Encoding::Dense, .. })) && self.composites()
     }
 
     /// Number of frames that this process keeps at the same time, and whether with their keys.

@@ -121,6 +121,7 @@ impl Bench {
         let pool = self.running.pool()?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
+        self.ranks.check_samples(self.sampling.sampling().pattern.count())?;
         if self.ranks.parts() {
             return Err(UsageError("--parts is for tercio render: bench loads whole models".into()).into());
         }

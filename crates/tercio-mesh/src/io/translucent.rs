@@ -48,9 +48,11 @@ impl Translucent {
     pub(super) fn count_strokes(&mut self, strokes: &Strokes) {
         let is_translucent = |&vertex: &u32| strokes.color(vertex).is_some_and(|c| is_translucent(&c));
         if strokes.colors.is_some() {
-            self.lines =
-                strokes.segments.iter().filter(|ends| ends.iter().any(is_translucent)).count() as u64;
-            self.points = strokes.points.iter().filter(|point| is_translucent(point)).count() as u64;
+            let lines =
+                |part: &[[u32; 2]]| part.iter().filter(|ends| ends.iter().any(is_translucent)).count() as u64;
+            let points = |part: &[u32]| part.iter().filter(|point| is_translucent(point)).count() as u64;
+            self.lines = strokes.segments.par_chunks(1 << 16).map(lines).sum();
+            self.points = strokes.points.par_chunks(1 << 16).map(points).sum();
         }
     }
 

@@ -13,8 +13,8 @@ pub enum Encoding {
     #[default]
     Sparse,
     /// All pixels of all tiles, whether something is drawn there or not, as first sort-last machines did: the cost does not
-    /// depend on the model. For comparison; and only pixels: lists of fragments, which are composited if there are several
-    /// samples per pixel or anything is translucent, are always sparse.
+    /// depend on the model. For comparison. If there are several samples per pixel or anything is translucent, lists of fragments
+    /// are composited, and this encoding is refused ([`RenderError::Setting`](tercio_raster::RenderError::Setting)).
     Dense,
 }
 

@@ -1,9 +1,9 @@
 //! Pixels, packed into bytes.
 //!
-//! A packet is a sequence of spans, whose number follows from its length. A span is a maximal run of pixels that show
-//! something, or, if all pixels are sent, any pixels, in a row of one tile: the row-major index of the first pixel in the picture (4 bytes); the number of pixels
-//! (2 bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, linear colour, ids, normals,
-//! each if it is sent. Numbers have the byte order of the machine.
+//! A packet is a sequence of spans, whose number follows from its length. A span is a run of pixels in a row of one tile: a
+//! maximal one of those that show something, or, if all pixels are sent, the whole row. It has the row-major index of the first
+//! pixel in the picture (4 bytes); the number of pixels (2 bytes); then plane after plane their samples: keys, 8-bit colour,
+//! 16-bit colour, depth, linear colour, ids, normals, each if it is sent. Numbers have the byte order of the machine.
 
 use bytemuck::pod_read_unaligned;
 use tercio_raster::frame::Pixel;

@@ -33,10 +33,11 @@ mod tube;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use tercio_mesh::cluster::ClusterView;
 use tercio_mesh::edges::Edges;
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
-use tercio_mesh::{Aabb, AttributeDomain};
+use tercio_mesh::{Aabb, AttributeDomain, FileMaterial};
 use tercio_scene::{DataReader, Instance, Surface, SurfaceData};
 
 pub use eye::Eye;
@@ -283,7 +284,8 @@ pub fn points(
 }
 
 /// The vertices of an instance's mesh as points, each once for every cluster that it is in, in the colours of the instance's data, if
-/// there are any at vertices, or else of the mesh.
+/// there are any at vertices, or else of the mesh: those of vertices, or of faces and their materials, without textures. Where faces of
+/// several colours meet, it is one of them.
 pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) -> Vec<Instance> {
     let (mesh, place) = (&instance.mesh, &instance.world_from_object);
     let data = instance.data.as_deref().filter(|data| data.domain(mesh.layout()) == AttributeDomain::Vertex);
@@ -307,12 +309,13 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
-            let own_colors = cluster.vertex_colors().filter(|_| instance.surface.use_mesh_colors);
+            let own_colors =
+                instance.surface.use_mesh_colors.then(|| vertex_colors(&cluster, &mesh.materials));
             let ink = |v: usize| {
                 let value = |reader: &DataReader| reader.vertex(&cluster, v);
                 match &readers[..] {
                     [reader] if is_mapped => Ink { color: pen.color, value: value(reader) },
-                    [] => own_colors.map_or(pen.color, |colors| colors[v]).into(),
+                    [] => own_colors.as_ref().and_then(|colors| colors[v]).unwrap_or(pen.color).into(),
                     all => {
                         let byte = |k: usize| all.get(k).map_or(255, |reader| byte(value(reader)));
                         Ink::from(std::array::from_fn(byte))
@@ -327,6 +330,26 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
         })
     });
     sheets.collect()
+}
+
+/// The colours of a cluster's vertices: their own, or else that of the first triangle that has one, by itself or by its material.
+fn vertex_colors(cluster: &ClusterView, materials: &[FileMaterial]) -> Vec<Option<[u8; 4]>> {
+    if let Some(colors) = cluster.vertex_colors() {
+        return colors.iter().copied().map(Some).collect();
+    }
+    let mut colors = vec![None; cluster.vertices()];
+    let (of_faces, numbers) = (cluster.face_colors(), cluster.triangle_materials());
+    let of_material =
+        |triangle: usize| materials.get(numbers?[triangle] as usize).map(FileMaterial::flat_color);
+    for triangle in 0..cluster.triangles() {
+        let Some(color) = of_faces.map(|colors| colors[triangle]).or_else(|| of_material(triangle)) else {
+            continue;
+        };
+        for corner in cluster.corners_of(triangle) {
+            colors[usize::from(corner)].get_or_insert(color);
+        }
+    }
+    colors
 }
 
 fn of_points(shape: PointShape) -> Look {

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DVec2, DVec3};
-use tercio_mesh::ClusteredMesh;
 use tercio_mesh::edges::{Edge, Edges};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::mesh::power_of_two;
@@ -112,24 +111,6 @@ impl<'a> Sketch<'a> {
         let color = |number: usize| strokes.color(strokes.points[number]).unwrap_or(pen.color);
         let cap = if shape == PointShape::Square { Cap::Square } else { Cap::Round };
         self.dots(&places, cap, color, pen.width);
-    }
-
-    /// Adds the vertices of a mesh as points.
-    pub fn vertices(&mut self, mesh: &ClusteredMesh, place: &DAffine3, shape: PointShape, pen: &Pen) {
-        let eye = self.eye;
-        let mut places: Vec<DVec3> = (0..mesh.clusters().len())
-            .into_par_iter()
-            .flat_map_iter(|number| {
-                let cluster = mesh.cluster(number);
-                let at = |v: usize| eye.eye_space(place.transform_point3(mesh.position(&cluster, v)));
-                (0..cluster.vertices()).map(at).collect::<Vec<_>>()
-            })
-            .collect();
-        // Clusters share vertices.
-        places.par_sort_unstable_by_key(|p| (p + 0.0).to_array().map(f64::to_bits));
-        places.dedup();
-        let cap = if shape == PointShape::Square { Cap::Square } else { Cap::Round };
-        self.dots(&places, cap, |_| pen.color, pen.width);
     }
 
     /// Adds lines on which the data of an instance have the given values, in ascending order, each with its colour. Data are

@@ -300,13 +300,15 @@ impl Render {
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
-    /// fragments, too: how many is known only when they are drawn, but a full picture has one in each pixel.
+    /// fragments, too: how many is known only when they are drawn, but a full picture has one in each pixel. Ranks that send all
+    /// pixels have them packed, and as many of others.
     pub(super) fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
         if self.is_in_bands(plan, drawers) {
             return band_bytes(&self.drawing.settings(&self.tuning, &self.sampling, plan.outputs));
         }
         let (frames, keys) = drawers.frames();
-        let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
+        let packets = if drawers.sends_all() { 2 } else { 0 };
+        let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size) * (1 + packets);
         let count = self.sampling.sampling().pattern.count();
         let mut fragments = 0;
         if count > 1 && drawers.composites() {

@@ -90,6 +90,7 @@ impl Render {
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
+        self.ranks.check_samples(self.sampling.sampling().pattern.count())?;
         if self.series.resume && processes.is_some_and(|p| p > 1) {
             let text = "--resume is not possible with several processes of mpirun: they would have to agree on what is there";
             return Err(UsageError(text.into()).into());

@@ -5,6 +5,13 @@ use crate::doubles::{Doubles, all_stored, store};
 use crate::strokes::Colors;
 use crate::{Attribute, AttributeDomain};
 
+/// A name that no attribute has: with a number if one has it, as further descriptions of the same extra bytes, or of what all points have.
+fn unused(attributes: &[Attribute], name: &str) -> String {
+    let is_used = |name: &str| attributes.iter().any(|a| a.name == name);
+    let numbered = (2..).map(|number| format!("{name}_{number}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !is_used(name)).unwrap_or_default()
+}
+
 /// Points, by what they have.
 pub struct Columns<'a> {
     header: &'a Header,
@@ -137,7 +144,7 @@ impl<'a> Columns<'a> {
         // One after the other, so that no more than one is there twice.
         for (dimension, values) in self.header.extra.dimensions.iter().zip(self.extra) {
             let doubles = Doubles::of(&values);
-            let (name, offset) = (dimension.name.clone(), doubles.offset());
+            let (name, offset) = (unused(&all, &dimension.name), doubles.offset());
             warnings.extend(doubles.warning(&name, dimension.has_integers()));
             all.push(Attribute { name, domain, values: all_stored(&values, offset), offset });
         }

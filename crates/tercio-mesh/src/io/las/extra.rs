@@ -1,5 +1,7 @@
 //! Extra bytes of points: the values that the record EXTRA_BYTES describes.
 
+use std::ops::Range;
+
 use super::header::{f64_at, u64_at};
 
 /// Bytes of a description.
@@ -87,47 +89,73 @@ pub struct Extra {
     pub dimensions: Vec<Dimension>,
     /// Which bytes of the record of a point are part of a value.
     is_described: Vec<bool>,
+    /// Where the first description that is wrong is, if there is one.
+    pub mistake: Option<Mistake>,
 }
 
 /// Where in the record a mistake is, what was expected, and what was found.
 pub type Mistake = (usize, String, String);
 
+/// A value of each component.
+type Dimensions = Vec<Dimension>;
+
 impl Extra {
-    /// Parses the record EXTRA_BYTES. The extra bytes of a point are behind `first` bytes of the `bytes` that it has.
-    pub fn parse(record: &[u8], first: usize, bytes: usize) -> Result<Self, Mistake> {
-        if !record.len().is_multiple_of(DESCRIPTION) {
-            let expected = format!("descriptions of extra bytes of {DESCRIPTION} bytes each");
-            return Err((0, expected, format!("{} bytes", record.len())));
-        }
-        let mut extra = Self { dimensions: Vec::new(), is_described: vec![false; bytes] };
+    /// Parses the record EXTRA_BYTES. The extra bytes of a point are behind `first` bytes of the `bytes` that it has. They are not
+    /// needed to draw the points, so a wrong description is no error: it and those after it, whose places depend on it, count as
+    /// none. Programs that leave out extra bytes are known to keep their descriptions.
+    pub fn parse(record: &[u8], first: usize, bytes: usize) -> Self {
+        let mut extra = Self { is_described: vec![false; bytes], ..Self::default() };
         let mut at = first;
-        for (number, description) in record.chunks_exact(DESCRIPTION).enumerate() {
-            let place = number * DESCRIPTION;
-            let [_, _, kind, options, ..] = *description else { continue };
-            let (kind, components) = match kind {
-                // Not documented: only how many there are.
-                0 => (1, usize::from(options)),
-                1..=30 => ((kind - 1) % 10 + 1, usize::from((kind - 1) / 10) + 1),
-                _ => return Err((place + 2, "a data type of 0 to 30".into(), kind.to_string())),
-            };
-            let size = SIZES[usize::from(kind) - 1];
-            let end = at + size * components;
-            let Some(places) = extra.is_described.get_mut(at..end) else {
-                let expected = format!("descriptions of at most {} extra bytes", bytes - first);
-                return Err((place, expected, format!("one of the bytes {} to {}", at - first, end - first)));
-            };
-            if description[2] != 0 {
-                places.fill(true);
-                for component in 0..components {
-                    let place = |(at, expected, found)| (place + at, expected, found);
-                    let dimension = Dimension::parse(description, number, kind, component, components);
-                    let dimension = dimension.map_err(place)?;
-                    extra.dimensions.push(Dimension { at: at + size * component, ..dimension });
+        let (descriptions, rest) = record.as_chunks::<DESCRIPTION>();
+        for (number, description) in descriptions.iter().enumerate() {
+            match Self::described(description, number, at, first..bytes) {
+                Ok((dimensions, end)) => {
+                    if !dimensions.is_empty() {
+                        extra.is_described[at..end].fill(true);
+                    }
+                    extra.dimensions.extend(dimensions);
+                    at = end;
+                }
+                Err((place, expected, found)) => {
+                    extra.mistake = Some((number * DESCRIPTION + place, expected, found));
+                    return extra;
                 }
             }
-            at = end;
         }
-        Ok(extra)
+        if !rest.is_empty() {
+            let expected = format!("descriptions of extra bytes of {DESCRIPTION} bytes each");
+            extra.mistake = Some((0, expected, format!("{} bytes", record.len())));
+        }
+        extra
+    }
+
+    /// What the description with this number describes, and where its bytes end, which begin at `at`; those of all descriptions
+    /// are in a range.
+    fn described(
+        description: &[u8; DESCRIPTION],
+        number: usize,
+        at: usize,
+        all: Range<usize>,
+    ) -> Result<(Dimensions, usize), Mistake> {
+        let [_, _, stated, options, ..] = *description;
+        let (kind, components) = match stated {
+            // Not documented: only how many there are.
+            0 => (1, usize::from(options)),
+            1..=30 => ((stated - 1) % 10 + 1, usize::from((stated - 1) / 10) + 1),
+            _ => return Err((2, "a data type of 0 to 30".into(), stated.to_string())),
+        };
+        let size = SIZES[usize::from(kind) - 1];
+        let end = at + size * components;
+        if end > all.end {
+            let expected = format!("descriptions of at most {} extra bytes", all.len());
+            return Err((0, expected, format!("one of the bytes {} to {}", at - all.start, end - all.start)));
+        }
+        let of_stated = if stated == 0 { 0 } else { components };
+        let dimension = |component: usize| {
+            let dimension = Dimension::parse(description, number, kind, component, components)?;
+            Ok(Dimension { at: at + size * component, ..dimension })
+        };
+        Ok(((0..of_stated).map(dimension).collect::<Result<_, Mistake>>()?, end))
     }
 
     /// How many of the bytes of a point are part of a value.

@@ -159,8 +159,11 @@ impl Header {
             None
         };
         let extra = match record_of(EXTRA_BYTES.0, EXTRA_BYTES.1) {
-            Some((from, to)) => Extra::parse(bytes.get(from..to).unwrap_or_default(), layout.bytes, record)
-                .map_err(|(at, expected, found)| malformed(from + at, &expected, found))?,
+            Some((from, to)) => {
+                let mut extra = Extra::parse(bytes.get(from..to).unwrap_or_default(), layout.bytes, record);
+                extra.mistake = extra.mistake.map(|(at, expected, found)| (from + at, expected, found));
+                extra
+            }
             None => Extra::default(),
         };
         Ok(Self { minor, format, is_packed, layout, record, points, scale, offset, begin, laszip, extra })

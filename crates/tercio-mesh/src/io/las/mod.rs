@@ -83,6 +83,11 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     };
     let mut report = ReadReport { format: header.name(), warnings, ..ReadReport::default() };
     report.not_drawn.points = count;
+    if let Some((at, expected, found)) = &header.extra.mistake {
+        report.warnings.push(format!(
+            "byte {at}: expected {expected}, found {found}: extra bytes that this and what follows describe are left out"
+        ));
+    }
     let extra = header.layout.extra(header.record).unwrap_or(0).saturating_sub(header.extra.bytes());
     if extra > 0 {
         report.warnings.push(format!("left out {} of every point", counted(extra as u64, "extra byte")));

@@ -158,26 +158,52 @@ fn layers_between_others_are_left_out() {
     }
 }
 
+/// What follows a wrong description is left out, with a warning: the points are drawn.
 #[test]
-fn wrong_descriptions_are_errors() {
+fn wrong_descriptions_are_warned_of() {
     let points = [vec![1, 2, 3, 4]];
     let of = |descriptions: Vec<u8>| {
-        let bytes = file(0, false, descriptions, &points);
-        // The head of a record of variable length is behind the header.
-        let record = 375 + 54;
-        (record, read(bytes).map(|_| ()).expect_err("an error").to_string())
+        let model = read(file(0, false, descriptions, &points)).expect("a model");
+        assert_eq!(model.strokes.points, [0]);
+        let names: Vec<String> = extra(&model, 0).into_iter().map(|(name, _)| name).collect();
+        (names, model.report.warnings)
     };
+    // The head of a record of variable length is behind the header.
+    let warning = |at: usize, what: &str| {
+        let place = 375 + 54 + at;
+        format!("byte {place}: {what}: extra bytes that this and what follows describe are left out")
+    };
+    let left_out = |bytes: usize| format!("left out {bytes} extra bytes of every point");
     let none = Has::default();
-    let (record, error) = of(vec![0; 191]);
-    let expected = "expected descriptions of extra bytes of 192 bytes each, found 191 bytes";
-    assert_eq!(error, format!("a: byte {record}: {expected}"));
-    let (record, error) = of([description("a", 3, none), description("b", 6, none)].concat());
+    let all = || description("a", 1, none);
+    let expected = warning(0, "expected descriptions of extra bytes of 192 bytes each, found 191 bytes");
+    assert_eq!(of(vec![0; 191]), (vec![], vec![expected, left_out(4)]));
+    let cut = [all(), vec![0; 9]].concat();
+    let expected = warning(0, "expected descriptions of extra bytes of 192 bytes each, found 201 bytes");
+    assert_eq!(of(cut), (vec!["a".to_owned()], vec![expected, left_out(3)]));
+    let too_many = [description("a", 3, none), description("b", 6, none), all()].concat();
     let expected = "expected descriptions of at most 4 extra bytes, found one of the bytes 2 to 6";
-    assert_eq!(error, format!("a: byte {}: {expected}", record + 192));
-    let (record, error) = of(description("a", 31, none));
-    assert_eq!(error, format!("a: byte {}: expected a data type of 0 to 30, found 31", record + 2));
-    let (record, error) = of(description("a", 1, Has { options: SCALE, ..none }));
-    assert_eq!(error, format!("a: byte {}: expected a scale other than 0, found 0", record + 112));
-    let (record, error) = of(description("a", 1, Has { options: OFFSET, offset: f64::INFINITY, ..none }));
-    assert_eq!(error, format!("a: byte {}: expected a finite offset, found inf", record + 136));
+    assert_eq!(of(too_many), (vec!["a".to_owned()], vec![warning(192, expected), left_out(2)]));
+    for (wrong, at, expected) in [
+        (description("a", 31, none), 2, "expected a data type of 0 to 30, found 31"),
+        (description("a", 1, Has { options: SCALE, ..none }), 112, "expected a scale other than 0, found 0"),
+        (
+            description("a", 1, Has { options: OFFSET, offset: f64::INFINITY, ..none }),
+            136,
+            "expected a finite offset, found inf",
+        ),
+    ] {
+        let found = of([all(), wrong, all()].concat());
+        assert_eq!(found, (vec!["a".to_owned()], vec![warning(192 + at, expected), left_out(3)]));
+    }
+}
+
+/// Names of descriptions that are those of other data are numbered.
+#[test]
+fn names_are_used_once() {
+    let of = |name| description(name, 1, Has::default());
+    let bytes = file(0, false, [of("intensity"), of("a"), of("a"), of("a")].concat(), &[vec![7, 8, 9, 10]]);
+    let found = extra(&read(bytes).expect("a model"), 0);
+    let expected = [("intensity_2", 7.0), ("a", 8.0), ("a_2", 9.0), ("a_3", 10.0)];
+    assert_eq!(found, expected.map(|(name, value)| (name.to_owned(), vec![value])));
 }

@@ -9,7 +9,7 @@ use crate::{FileMaterial, Mesh};
 
 use super::super::lines::join;
 use super::super::{mtl, names};
-use super::strokes::{Painted, Paints, flat_color};
+use super::strokes::{Painted, Paints};
 use super::{Chunk, Names, faces};
 
 /// Looks up the materials that faces, lines and points use. A material that no library defines causes a warning and gets no number,
@@ -69,7 +69,7 @@ pub fn add_materials<'a>(
     let names = of_segments.names.iter().chain(&of_dots.names).filter(|name| listed.insert(**name));
     let materials = names.filter_map(|name| find(name).cloned()).collect();
     let [segments, points] = [of_segments, of_dots].map(|used| {
-        let colors = used.names.iter().map(|name| find(name).map(flat_color)).collect();
+        let colors = used.names.iter().map(|name| find(name).map(FileMaterial::flat_color)).collect();
         Paints { used, colors }
     });
     if !undefined.is_empty() {

@@ -57,9 +57,3 @@ impl Paints<'_> {
         }
     }
 }
-
-/// Colour and opacity of a material where there is neither light nor texture.
-pub fn flat_color(material: &FileMaterial) -> [u8; 4] {
-    let [r, g, b] = material.diffuse;
-    [r, g, b, material.opacity].map(|level| (level * 255.0).round() as u8)
-}
