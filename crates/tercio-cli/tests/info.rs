@@ -97,6 +97,18 @@ fn lines_and_points_have_bounds_and_attributes() {
 }
 
 /// Materials of lines and points are listed beside those of faces, and what of them is not opaque is counted.
+/// Names of a file are one line each, without what a terminal obeys.
+#[test]
+fn names_have_no_control_characters() {
+    let place = Place::new();
+    let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\u{1b}[31mb\u{7}\nf 1 2 3\n";
+    std::fs::write(place.path("m.obj"), model).expect("a model");
+    std::fs::write(place.path("m.mtl"), "newmtl a\u{1b}[31mb\u{7}\nKd 1 0 0\n").expect("materials");
+    let outcome = place.run("info m.obj").ok_silently();
+    assert!(outcome.text().contains("a?[31mb?"), "{}", outcome.text());
+    assert!(!outcome.text().contains(['\u{1b}', '\u{7}']));
+}
+
 #[test]
 fn lines_and_points_have_materials() {
     let place = Place::new();

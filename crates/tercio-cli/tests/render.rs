@@ -439,7 +439,9 @@ fn the_picture_does_not_depend_on_ranks() {
     // All pixels: only where each is one sample, and nothing translucent.
     let dense = "--ranks 3 --organisation sort-last --encoding dense";
     place.run(&format!("{model} -o a.png {dense}")).failed(2, &["--encoding dense", "--aa 1"]);
-    place.run(&format!("{model} -o a.png {dense} --aa 1 --opacity 0.5")).failed(1, &["encoding of pixels"]);
+    place
+        .run(&format!("{model} -o a.png {dense} --aa 1 --opacity 0.5"))
+        .failed(1, &["encoding of composited pixels", "translucent", "dense"]);
     place.run(&format!("{model} -o a.png --aa 1")).ok_silently();
     for how in ["sort-last", "sort-last --composition ring", "sort-twice --group 2"] {
         let options = format!("--ranks 3 --organisation {how} --encoding dense");

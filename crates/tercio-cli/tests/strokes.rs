@@ -562,13 +562,19 @@ fn vertices_have_the_colours_of_their_faces() {
     fs::write(place.path("m.mtl"), "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n").unwrap();
     let obj = format!("mtllib m.mtl\n{}usemtl red\nf 1 2 3\nusemtl blue\nf 4 5 6\n", lines("v "));
     fs::write(place.path("materials.obj"), obj).unwrap();
+    // Textures are not drawn on points: they have the usual colour, not that of the material alone.
+    let library = "newmtl red\nKd 1 1 1\nmap_Kd red.png\nnewmtl blue\nKd 1 1 1\nmap_Kd blue.png\n";
+    fs::write(place.path("t.mtl"), library).unwrap();
+    let obj = fs::read_to_string(place.path("materials.obj")).unwrap().replace("m.mtl", "t.mtl");
+    fs::write(place.path("textured.obj"), obj).unwrap();
     let header = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
         element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n\
         property uchar blue\nend_header\n";
     let ply = format!("{header}{}3 0 1 2 255 0 0\n3 3 4 5 0 0 255\n", lines(""));
     fs::write(place.path("faces.ply"), ply).unwrap();
     let look = "--mode points --point-size 12 --view front --up-axis y --background white --aa 1";
-    for model in ["materials.obj", "faces.ply"] {
+    let textured = "textured.obj --no-textures";
+    for model in ["materials.obj", "faces.ply", textured] {
         let draw = |options: &str| Picture::render(&place, &format!("{model} {look} {options}"));
         let count = |picture: &Picture, color: [u8; 3], half: usize| {
             let columns = half * WIDTH / 2..(half + 1) * WIDTH / 2;
@@ -578,6 +584,10 @@ fn vertices_have_the_colours_of_their_faces() {
                 .count()
         };
         let picture = draw("");
+        if model == textured {
+            assert!(picture.0 == draw("--no-mesh-colors").0 && picture.0.iter().any(|&level| level < 100));
+            continue;
+        }
         // Three points of 12 x 12 pixels or a little less, each.
         for (color, half) in [([255, 0, 0], 0), ([0, 0, 255], 1)] {
             let found = [count(&picture, color, half), count(&picture, color, 1 - half)];

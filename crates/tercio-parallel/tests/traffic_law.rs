@@ -296,7 +296,7 @@ fn fragments_are_not_sent_dense() {
     let sharing = Sharing { encoding: Encoding::Dense, ..Organisation::SortLast.into() };
     let drawn = |count| draw(Ranks { count, threads: 1, sharing }, &scene, &camera, &settings);
     let error = drawn(2).unwrap_err().to_string();
-    assert!(error.contains("encoding of pixels") && error.contains("fragments"), "{error}");
+    assert!(error.contains("encoding of composited pixels must be sparse"), "{error}");
     // A single rank composites nothing.
     assert!(drawn(1).is_ok());
 }

@@ -291,7 +291,7 @@ impl RanksArgs {
             (self.encoding.is_some(), "--encoding"),
         ];
         if let Some((_, option)) = of_composition.into_iter().find(|(is_given, _)| *is_given && !composites) {
-            return unused(option, "does not composite pictures");
+            return unused(option, "does not composite pictures; sort-last and sort-twice do");
         }
         let (division, composition) = (division.unwrap_or_default(), self.composition()?.unwrap_or_default());
         let encoding = match self.encoding {

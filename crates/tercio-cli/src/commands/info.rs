@@ -272,8 +272,8 @@ fn text(model: &str, loaded: &Inspection) -> String {
     ));
     let width = rows.iter().map(|r| r.0.len()).max().unwrap_or(0);
     rows.iter().fold(String::new(), |mut text, (key, value)| {
-        // Writing into a string cannot fail.
-        let _ = writeln!(text, "{key:width$}  {value}");
+        // Names of a file may have line breaks, and what terminals obey. Writing into a string cannot fail.
+        let _ = writeln!(text, "{key:width$}  {}", value.replace(char::is_control, "?"));
         text
     })
 }

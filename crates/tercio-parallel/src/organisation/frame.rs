@@ -54,9 +54,8 @@ fn draw_steps(
     let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
     if has_fragments && sharing.encoding == Encoding::Dense && sharing.organisation.composites(size) {
         return Err(RenderError::Setting {
-            what: "encoding of pixels",
-            range: "sparse: of several samples per pixel, or anything translucent, fragments are composited"
-                .into(),
+            what: "the encoding of composited pixels",
+            range: "sparse where there are several samples per pixel, or anything is translucent".into(),
             value: sharing.encoding.to_string(),
         }
         .into());

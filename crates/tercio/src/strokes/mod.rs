@@ -284,7 +284,7 @@ pub fn points(
 }
 
 /// The vertices of an instance's mesh as points, each once for every cluster that it is in, in the colours of the instance's data, if
-/// there are any at vertices, or else of the mesh: those of vertices, or of faces and their materials, without textures. Where faces of
+/// there are any at vertices, or else of the mesh: those of vertices, or of faces and their materials that have no texture. Where faces of
 /// several colours meet, it is one of them.
 pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) -> Vec<Instance> {
     let (mesh, place) = (&instance.mesh, &instance.world_from_object);
@@ -339,8 +339,11 @@ fn vertex_colors(cluster: &ClusterView, materials: &[FileMaterial]) -> Vec<Optio
     }
     let mut colors = vec![None; cluster.vertices()];
     let (of_faces, numbers) = (cluster.face_colors(), cluster.triangle_materials());
-    let of_material =
-        |triangle: usize| materials.get(numbers?[triangle] as usize).map(FileMaterial::flat_color);
+    // That of a texture is not known here, and what it is multiplied by mostly white.
+    let is_plain = |material: &&FileMaterial| material.textures.diffuse.is_none();
+    let of_material = |triangle: usize| {
+        materials.get(numbers?[triangle] as usize).filter(is_plain).map(FileMaterial::flat_color)
+    };
     for triangle in 0..cluster.triangles() {
         let Some(color) = of_faces.map(|colors| colors[triangle]).or_else(|| of_material(triangle)) else {
             continue;
