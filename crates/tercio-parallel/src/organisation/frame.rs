@@ -52,7 +52,8 @@ fn draw_steps(
     let shares_clusters = sharing.organisation != Organisation::SortFirst && !in_parts;
     let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
     let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
-    if has_fragments && sharing.encoding == Encoding::Dense && sharing.organisation.composites(size) {
+    let sends_all = sharing.encoding == Encoding::Dense && sharing.organisation.composites(size);
+    if has_fragments && sends_all {
         return Err(RenderError::Setting {
             what: "the encoding of composited pixels",
             range: "sparse where there are several samples per pixel, or anything is translucent".into(),
@@ -96,7 +97,6 @@ fn draw_steps(
         redistribute(&mut Group::new(comm, members.clone()), &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
-    let sends_all = sharing.encoding == Encoding::Dense && sharing.organisation.composites(size);
     let may_show = |tile: &u32| sends_all || sorted_into.contains(*tile);
     let own_touched: Vec<u32> = own_tiles.numbers(tiles).filter(may_show).collect();
 

@@ -304,13 +304,13 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     }
     let byte = |value: f32| ((value * scale + offset).clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     let is_mapped = look.colors.is_some();
+    let has_own_colors = readers.is_empty() && instance.surface.use_mesh_colors;
     let numbers: Vec<usize> = (0..mesh.clusters().len()).collect();
     // Chunks of clusters have as many points as chunks of points.
     let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
-            let own_colors =
-                instance.surface.use_mesh_colors.then(|| vertex_colors(&cluster, &mesh.materials));
+            let own_colors = has_own_colors.then(|| vertex_colors(&cluster, &mesh.materials));
             let ink = |v: usize| {
                 let value = |reader: &DataReader| reader.vertex(&cluster, v);
                 match &readers[..] {
