@@ -187,6 +187,46 @@ fn the_opacity_of_a_copy_is_that_of_its_lines_and_points() {
     }
 }
 
+/// Lines, points and vertices of a copy have its colour, if they have none of their own or the copy does not show these.
+#[test]
+fn the_color_of_a_copy_is_that_of_its_lines_and_points() {
+    let place = Place::new();
+    block(&place, "a.ply", [-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]);
+    let lines = "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\np 3\n";
+    fs::write(place.path("plain.obj"), lines).expect("a model");
+    let colored = lines.replace("0\nv", "0 1 0 0\nv").replace("1 0\nl", "1 0 0 0 1\nl");
+    fs::write(place.path("colored.obj"), colored).expect("a model");
+    let widths = "line-width = 5\npoint-size = 12\n";
+    let color = "color = '#40a020'\n";
+    let plain = "color = '#40a020'\nno-mesh-colors = true\n";
+    let looks = [
+        ("plain.obj", widths, color),
+        ("colored.obj", widths, plain),
+        ("a.ply", "mode = 'points'\npoint-size = 9\n", color),
+        ("a.ply", "mode = 'points'\npoint-size = 9\n", plain),
+    ];
+    for (file, options, own) in looks {
+        let model = format!("[[model]]\nfile = '{file}'\n{options}");
+        let place_of = "translate = [3, 0, 0]\n";
+        let size = "size = '160x120'\n";
+        scene(&place, "copy.toml", &format!("{size}{model}[[model.instance]]\n{place_of}{own}"));
+        scene(&place, "models.toml", &format!("{size}{model}{model}{place_of}{own}"));
+        scene(&place, "same.toml", &format!("{size}{model}[[model.instance]]\n{place_of}"));
+        let is_drawing = file.ends_with("obj");
+        for name in ["copy", "models", "same"] {
+            place.run(&format!("{name}.toml -o {name}.ppm -q")).ok_silently();
+            if is_drawing {
+                place.run(&format!("{name}.toml -o {name}.svg -q")).ok_silently();
+            }
+        }
+        for kind in if is_drawing { &["ppm", "svg"][..] } else { &["ppm"] } {
+            same(&place, &format!("copy.{kind}"), &format!("models.{kind}"));
+            let is_same = place.read(&format!("copy.{kind}")) == place.read(&format!("same.{kind}"));
+            assert!(!is_same, "{file} {options} {own} {kind}");
+        }
+    }
+}
+
 #[test]
 fn ranks_threads_and_tiles_draw_the_same() {
     let place = blocks();

@@ -170,7 +170,7 @@ impl Render {
                 shares_with: file_of[..models.len()].iter().position(|&other| other == number),
                 places: std::iter::once(place).chain(others).collect(),
                 instances: begin..scene.instances.len(),
-                drawable: Drawable::of_file(strokes, data),
+                drawable: Drawable::of_file(strokes, data, &member.placements),
             });
         }
         if let Some(comm) = &mut parts {

@@ -26,11 +26,11 @@ use crate::{look, report};
 pub struct Placement {
     /// Applied after the transform of the model itself.
     pub place: PlaceArgs,
-    /// Linear RGB, if it is not that of the model.
+    /// Linear RGB, if it is not that of the model; also of its lines and points that have no colours of their own.
     pub color: Option<[f32; 3]>,
     /// If it is not that of the model; also of its lines, its points, and its edges that are drawn alone.
     pub opacity: Option<f64>,
-    /// Whether it is drawn in `color`, whatever colours the model has.
+    /// Whether it is drawn in `color`, with its lines and points, whatever colours the model has.
     pub no_mesh_colors: bool,
 }
 
@@ -138,11 +138,26 @@ impl Render {
         std::iter::once(self).chain(&self.others)
     }
 
-    /// The opacity of this model at one of its places: the model itself is 0, and its further places follow.
+    /// How this model is placed once more: the model itself is 0, and its further places follow.
+    fn placement(&self, copy: usize) -> Option<&Placement> {
+        copy.checked_sub(1).and_then(|number| self.placements.get(number))
+    }
+
+    /// The opacity of this model at one of its places.
     pub(super) fn opacity_of(&self, copy: usize) -> f32 {
-        let placement = copy.checked_sub(1).and_then(|number| self.placements.get(number));
-        let own = placement.and_then(|placement| placement.opacity);
+        let own = self.placement(copy).and_then(|placement| placement.opacity);
         own.map_or_else(|| self.drawing.surface().opacity, |opacity| opacity as f32)
+    }
+
+    /// Its colour there, in linear RGB, if it has one.
+    pub(super) fn color_of(&self, copy: usize) -> Option<[f32; 3]> {
+        self.placement(copy).and_then(|placement| placement.color).or_else(|| self.drawing.color())
+    }
+
+    /// The lines and points of its file as they are drawn there: without colours of their own, if the place wants that.
+    pub(super) fn file_of<'a>(&self, copy: usize, drawable: &'a Drawable) -> &'a Strokes {
+        let is_plain = self.placement(copy).is_some_and(|placement| placement.no_mesh_colors);
+        drawable.plain.as_ref().filter(|_| is_plain).unwrap_or(&drawable.file)
     }
 
     /// What is said about each model.

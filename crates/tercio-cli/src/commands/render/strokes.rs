@@ -17,7 +17,7 @@ use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, DataSource, Instance, Scene, SurfaceData};
 use tercio::strokes::{self, EdgePart, Eye, LineShape};
 
-use super::members::OfModel;
+use super::members::{OfModel, Placement};
 use super::subject::{grown, placed};
 use super::{Loaded, Render};
 use crate::messages;
@@ -26,6 +26,8 @@ use crate::messages;
 pub(super) struct Drawable {
     /// Lines and points of the file.
     pub file: Arc<Strokes>,
+    /// The same without colours of their own, if a copy of the model is drawn so.
+    pub plain: Option<Arc<Strokes>>,
     /// What their colours show.
     pub data: Option<StrokeData>,
     /// Edges, and what of them is drawn.
@@ -38,8 +40,10 @@ pub(super) struct Drawable {
 
 impl Drawable {
     /// Lines and points of a file, until edges and glyphs are found.
-    pub fn of_file(file: Arc<Strokes>, data: Option<StrokeData>) -> Self {
-        Self { file, data, edges: Vec::new(), edge_data: Vec::new(), glyphs: Vec::new() }
+    pub fn of_file(file: Arc<Strokes>, data: Option<StrokeData>, copies: &[Placement]) -> Self {
+        let is_plain = file.colors.is_some() && copies.iter().any(|copy| copy.no_mesh_colors);
+        let plain = is_plain.then(|| without_colors(&file));
+        Self { file, plain, data, edges: Vec::new(), edge_data: Vec::new(), glyphs: Vec::new() }
     }
 }
 
@@ -48,9 +52,7 @@ impl Render {
     /// bounds of its surface, if it has one.
     pub(super) fn strokes_of(&self, whole: Option<&Extent>, strokes: Arc<Strokes>) -> Result<Arc<Strokes>> {
         let strokes = match strokes.colors {
-            Some(_) if !self.drawing.surface().use_mesh_colors => {
-                Arc::new(Strokes { colors: None, ..(*strokes).clone() })
-            }
+            Some(_) if !self.drawing.surface().use_mesh_colors => without_colors(&strokes),
             _ => strokes,
         };
         let Some(clipping) = self.clip.clipping().filter(|_| !strokes.is_empty()) else { return Ok(strokes) };
@@ -187,7 +189,7 @@ impl Render {
         instances: &[Instance],
         is_darkened: bool,
     ) -> Vec<Instance> {
-        let Drawable { file, data, edges, edge_data, glyphs } = &of_model.drawable;
+        let Drawable { data, edges, edge_data, glyphs, .. } = &of_model.drawable;
         let (line_shape, shape) = (self.strokes.line_shape(), self.strokes.shape());
         let mut drawn = Vec::new();
         let pen = self.strokes.edge_pen();
@@ -205,16 +207,19 @@ impl Render {
                 fade(&mut drawn[first_of_copy..], self.opacity_of(copy));
             }
         }
-        let pens = self.strokes.pens(self.drawing.color(), is_darkened);
+        let pens = |copy: usize| self.strokes.pens(self.color_of(copy), is_darkened);
         if self.strokes.has_vertices() {
-            for instance in instances {
-                let first = drawn.len();
-                drawn.extend(strokes::vertices(eye, instance, shape, &pens.points));
+            // All places have the same: the model, and what closes its cuts.
+            let of_place = instances.len() / of_model.places.len();
+            for (number, instance) in instances.iter().enumerate() {
+                let (first, pen) = (drawn.len(), pens(number / of_place).points);
+                drawn.extend(strokes::vertices(eye, instance, shape, &pen));
                 fade(&mut drawn[first..], instance.surface.opacity);
             }
         }
         for (copy, place) in of_model.places.iter().enumerate() {
-            let first_of_copy = drawn.len();
+            let (first_of_copy, pens) = (drawn.len(), pens(copy));
+            let file = self.file_of(copy, &of_model.drawable);
             drawn.extend(strokes::lines(eye, (file, place), line_shape, &pens.lines, data.as_ref()));
             drawn.extend(strokes::points(eye, (file, place), shape, &pens.points, data.as_ref()));
             fade(&mut drawn[first_of_copy..], self.opacity_of(copy));
@@ -224,6 +229,11 @@ impl Render {
         }
         drawn
     }
+}
+
+/// Lines and points without colours of their own.
+fn without_colors(strokes: &Strokes) -> Arc<Strokes> {
+    Arc::new(Strokes { colors: None, ..strokes.clone() })
 }
 
 /// Gives lines, edges or points an opacity in addition to that of their colours.

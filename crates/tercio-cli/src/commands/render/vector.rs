@@ -200,12 +200,11 @@ impl Render {
         if self.strokes.is_contours() {
             instances.for_each(|instance| self.add_contours(sketch, instance));
         }
-        let Drawable { file, data, edges, .. } = &of_model.drawable;
-        let file = in_colors_of(data.as_ref(), file);
-        let pens = self.strokes.pens(self.drawing.color(), false);
+        let Drawable { data, edges, .. } = &of_model.drawable;
         for (copy, place) in of_model.places.iter().enumerate() {
             let opacity = self.opacity_of(copy);
-            let file = &*faded(Cow::Borrowed(&*file), opacity);
+            let pens = self.strokes.pens(self.color_of(copy), false);
+            let file = &*faded(in_colors_of(data.as_ref(), self.file_of(copy, &of_model.drawable)), opacity);
             let [lines, points] =
                 [pens.lines, pens.points].map(|pen| Pen { color: fade(pen.color, opacity), ..pen });
             let mut edge_pen = self.strokes.edge_pen();

@@ -7,8 +7,11 @@ use crate::io::input::Input;
 
 /// Bytes of the shortest header.
 const SHORTEST: usize = 227;
-/// Bytes of the head of a record of variable length.
+/// Bytes of the header of version 1.4, which says where the extended records are.
+const WITH_EXTENDED: usize = 375;
+/// Bytes of the head of a record of variable length, and of an extended one, whose length has 64 bits.
 const RECORD_HEAD: usize = 54;
+const EXTENDED_HEAD: usize = 60;
 /// User and number of the record that describes extra bytes.
 const EXTRA_BYTES: (&str, u16) = ("LASF_Spec", 4);
 
@@ -149,16 +152,29 @@ impl Header {
             return Err(malformed(96, &expected, begin.to_string()));
         }
         let is_packed = packed_format & 0xc0 != 0;
-        let record_of = |user, number| Self::record_of(bytes, size, begin, user, number);
+        let records = Records {
+            bytes: bytes.get(..begin).unwrap_or_default(),
+            at: size,
+            count: u32_at(bytes, 100).ok_or_else(short)?,
+            head: RECORD_HEAD,
+        };
         let laszip = if is_packed {
-            let found = record_of(laz::LazVlr::USER_ID, laz::LazVlr::RECORD_ID);
+            let found = records.find(laz::LazVlr::USER_ID, laz::LazVlr::RECORD_ID);
             Some(found.ok_or_else(|| {
                 malformed(size, "a record \"laszip encoded\" before the points", "none".into())
             })?)
         } else {
             None
         };
-        let extra = match record_of(EXTRA_BYTES.0, EXTRA_BYTES.1) {
+        // Behind the points are records that were added later, or are too long for others.
+        let extended = || {
+            let has_them = minor >= 4 && size >= WITH_EXTENDED;
+            let at = usize::try_from(u64_at(bytes, 235).filter(|_| has_them)?).ok()?;
+            Some(Records { bytes, at, count: u32_at(bytes, 243)?, head: EXTENDED_HEAD })
+        };
+        let (user, number) = EXTRA_BYTES;
+        let described = records.find(user, number).or_else(|| extended()?.find(user, number));
+        let extra = match described {
             Some((from, to)) => {
                 let mut extra = Extra::parse(bytes.get(from..to).unwrap_or_default(), layout.bytes, record);
                 extra.mistake = extra.mistake.map(|(at, expected, found)| (from + at, expected, found));
@@ -168,19 +184,37 @@ impl Header {
         };
         Ok(Self { minor, format, is_packed, layout, record, points, scale, offset, begin, laszip, extra })
     }
+}
 
-    /// Where the first record of variable length of a user with a number is, among those from one byte to another.
-    fn record_of(bytes: &[u8], mut at: usize, end: usize, user: &str, number: u16) -> Option<(usize, usize)> {
-        for _ in 0..u32_at(bytes, 100)? {
-            let head = bytes.get(at..end)?.get(..RECORD_HEAD)?;
-            let length = usize::from(u16_at(head, 20)?);
-            let from = at + RECORD_HEAD;
+/// Records of variable length, one behind the other.
+struct Records<'a> {
+    /// The file, up to where they end at the latest.
+    bytes: &'a [u8],
+    /// Where the first one is.
+    at: usize,
+    count: u32,
+    /// Bytes of the head of each.
+    head: usize,
+}
+
+impl Records<'_> {
+    /// Where the content of the first one of a user with a number is.
+    fn find(&self, user: &str, number: u16) -> Option<(usize, usize)> {
+        let mut at = self.at;
+        for _ in 0..self.count {
+            let head = self.bytes.get(at..)?.get(..self.head)?;
+            let length = match self.head {
+                RECORD_HEAD => u64::from(u16_at(head, 20)?),
+                _ => u64_at(head, 20)?,
+            };
+            let from = at + self.head;
+            let to = from.checked_add(usize::try_from(length).ok()?)?;
             if head.get(2..).is_some_and(|id| id.starts_with(user.as_bytes()))
                 && u16_at(head, 18) == Some(number)
             {
-                return (from + length <= end).then_some((from, from + length));
+                return (to <= self.bytes.len()).then_some((from, to));
             }
-            at = from + length;
+            at = to;
         }
         None
     }

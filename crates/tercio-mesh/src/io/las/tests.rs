@@ -32,14 +32,26 @@ fn description(name: &str, kind: u8, has: Has) -> Vec<u8> {
     all
 }
 
-/// A file with points that have these extra bytes.
+/// A file with points that have these extra bytes, described before them.
 fn file(format: u8, is_packed: bool, descriptions: Vec<u8>, points: &[Vec<u8>]) -> Vec<u8> {
+    file_with(format, is_packed, |builder, record| builder.vlrs.push(record(descriptions)), points)
+}
+
+/// The same with records of its own, whose content are descriptions.
+fn file_with(
+    format: u8,
+    is_packed: bool,
+    describe: impl FnOnce(&mut Builder, &dyn Fn(Vec<u8>) -> Vlr),
+    points: &[Vec<u8>],
+) -> Vec<u8> {
     let mut builder = Builder::from(Version::new(1, 4));
     builder.point_format = Format::new(format).expect("a format");
     builder.point_format.is_compressed = is_packed;
     builder.point_format.extra_bytes = points[0].len() as u16;
-    let (user_id, description) = ("LASF_Spec".to_owned(), String::new());
-    builder.vlrs.push(Vlr { user_id, record_id: 4, description, data: descriptions });
+    describe(&mut builder, &|data| {
+        let (user_id, description) = ("LASF_Spec".to_owned(), String::new());
+        Vlr { user_id, record_id: 4, description, data }
+    });
     let layout = builder.point_format;
     let header = builder.into_header().expect("a header");
     let mut writer = Writer::new(Cursor::new(Vec::new()), header).expect("a writer");
@@ -206,4 +218,27 @@ fn names_are_used_once() {
     let found = extra(&read(bytes).expect("a model"), 0);
     let expected = [("intensity_2", 7.0), ("a", 8.0), ("a_2", 9.0), ("a_3", 10.0)];
     assert_eq!(found, expected.map(|(name, value)| (name.to_owned(), vec![value])));
+}
+
+/// Descriptions are also found behind the points, behind another record there; those before the points come first.
+#[test]
+fn descriptions_in_extended_records_are_read() {
+    let of = |name| description(name, 1, Has::default());
+    for is_packed in [false, true] {
+        for is_before in [false, true] {
+            let describe = |builder: &mut Builder, record: &dyn Fn(Vec<u8>) -> Vlr| {
+                let other = Vlr { record_id: 7, ..record(vec![1; 100_000]) };
+                builder.evlrs.extend([other, record(of("behind"))]);
+                builder.vlrs.extend(is_before.then(|| record(of("before"))));
+            };
+            let bytes = file_with(6, is_packed, describe, &[vec![7], vec![9]]);
+            let name = if is_before { "before" } else { "behind" };
+            let model = read(bytes.clone()).expect("a model");
+            assert_eq!(extra(&model, 6), [(name.to_owned(), vec![7.0, 9.0])]);
+            assert_eq!(model.report.warnings, Vec::<String>::new());
+            // One that is cut off is none.
+            let cut = read(bytes[..bytes.len() - 1].to_vec()).expect("a model");
+            assert_eq!(extra(&cut, 6).len(), usize::from(is_before));
+        }
+    }
 }

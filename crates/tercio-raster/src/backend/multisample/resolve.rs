@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, u8x64, u32x4};
+use fearless_simd::{Simd, f32x4, u8x64, u32x4, u32x16};
 
 use super::blend::Nearest;
 use super::fragments::NO_FRAGMENT;
@@ -70,6 +70,9 @@ impl Row {
         simd.vectorize(
             #[inline(always)]
             || {
+                if are_empty(simd, fragments) {
+                    return;
+                }
                 for (lane, own) in fragments.as_chunks::<N>().0.iter().enumerate().take(LANES) {
                     if let Some(color) = mean_of(simd, own, colors, &background.linear) {
                         self.colors[lane] = color;
@@ -102,6 +105,18 @@ impl Row {
             }
         }
     }
+}
+
+/// Was nothing drawn at any of some samples?
+#[inline(always)]
+fn are_empty<S: Simd>(simd: S, fragments: &[u32]) -> bool {
+    let (chunks, rest) = fragments.as_chunks::<LANES>();
+    // All bits of `NO_FRAGMENT` are set.
+    let mut all = u32x16::splat(simd, NO_FRAGMENT);
+    for chunk in chunks {
+        all &= u32x16::load_array_ref(simd, chunk);
+    }
+    all.simd_eq(NO_FRAGMENT).all_true() && rest.iter().all(|&fragment| fragment == NO_FRAGMENT)
 }
 
 /// [`mean`] of the colours of N samples, from the numbers of their fragments; `None` where nothing was drawn.

@@ -85,35 +85,33 @@ impl Content for Counts {
 
 /// Bits, the first of each byte lowest.
 struct Bits {
-    /// Its bytes from `end` on are room.
+    /// Bytes, and room behind them.
     out: Vec<u8>,
+    last: Word,
+}
+
+/// The end of some bits.
+#[derive(Clone, Copy, Default)]
+struct Word {
+    /// The number of whole bytes.
     end: usize,
-    /// The bits after those, and how many: fewer than 8 between calls.
+    /// The bits after those, and how many: fewer than 8 when they are written.
     bits: u64,
     count: u32,
 }
 
-impl Bits {
-    /// Makes room for so many bytes, and for one more word: bits are written in words.
-    fn make_room(&mut self, bytes: usize) {
-        let needed = self.end + bytes + 8;
-        if self.out.len() < needed {
-            self.out.resize(needed.max(self.out.len() * 2), 0);
-        }
-    }
-
-    /// Appends at most 56 bits.
-    fn put(&mut self, bits: u64, count: u32) {
-        self.make_room(8);
-        self.bits |= bits << self.count;
-        self.count += count;
-        self.write();
-    }
-
-    /// Moves whole bytes, at most 7, to where there is room for them.
+impl Word {
+    /// Appends the bits of symbols.
     #[inline(always)]
-    fn write(&mut self) {
-        if let Some(to) = self.out.get_mut(self.end..self.end + 8) {
+    fn add(&mut self, code: Code) {
+        self.bits |= u64::from(code.word) << self.count;
+        self.count += code.length;
+    }
+
+    /// Moves whole bytes, at most 7, to where there is room for 8.
+    #[inline(always)]
+    fn write(&mut self, out: &mut [u8]) {
+        if let Some(to) = out.get_mut(self.end..self.end + 8) {
             to.copy_from_slice(&self.bits.to_le_bytes());
         }
         self.end += self.count as usize / 8;
@@ -122,11 +120,43 @@ impl Bits {
     }
 }
 
+impl Bits {
+    /// Makes room for so many bytes, and for one more word: bits are written in words.
+    fn make_room(&mut self, bytes: usize) {
+        let needed = self.last.end + bytes + 8;
+        if self.out.len() < needed {
+            self.out.resize(needed.max(self.out.len() * 2), 0);
+        }
+    }
+
+    /// Appends at most 56 bits.
+    fn put(&mut self, bits: u64, count: u32) {
+        self.make_room(8);
+        self.last.bits |= bits << self.last.count;
+        self.last.count += count;
+        self.last.write(&mut self.out);
+    }
+}
+
+/// The word of a symbol, or of several symbols after each other.
+#[derive(Clone, Copy)]
+struct Code {
+    word: u32,
+    length: u32,
+}
+
+impl Code {
+    /// The words of two symbols, together at most 32 bits.
+    #[inline(always)]
+    fn then(self, next: Self) -> Self {
+        Self { word: self.word | next.word << self.length, length: self.length + next.length }
+    }
+}
+
 /// A part of a stream that is being written: one block.
 pub struct Block {
     bits: Bits,
-    lengths: [u8; SYMBOLS],
-    words: [u16; SYMBOLS],
+    codes: [Code; SYMBOLS],
     checksum: Adler32,
     length: usize,
 }
@@ -144,23 +174,24 @@ impl Block {
     pub fn new(counts: &Counts, is_last: bool) -> Self {
         // Krichevsky and Trofimov: what was not counted may be there half a time.
         let lengths = lengths(counts.0.map(|count| 2 * count + 1), LONGEST);
+        let words = words(&lengths);
+        let code = |symbol: usize| Code { word: words[symbol].into(), length: lengths[symbol].into() };
         let mut block = Self {
-            bits: Bits { out: Vec::new(), end: 0, bits: 0, count: 0 },
-            lengths,
-            words: words(&lengths),
+            bits: Bits { out: Vec::new(), last: Word::default() },
+            codes: std::array::from_fn(code),
             checksum: Adler32::new(),
             length: 0,
         };
         block.bits.put(u64::from(is_last) | 2 << 1, 3);
-        block.put_code();
+        block.put_code(&lengths);
         block
     }
 
     /// The lengths of the code's words, themselves compressed.
-    fn put_code(&mut self) {
+    fn put_code(&mut self, of_symbols: &[u8; SYMBOLS]) {
         const ORDER: [usize; 19] = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
         const REPEAT: usize = 16;
-        let mut all = self.lengths.to_vec();
+        let mut all = of_symbols.to_vec();
         // The only distance of repetitions, 1.
         all.push(1);
         // Each length with how often it is repeated: not at all or 3 to 6 times.
@@ -193,17 +224,8 @@ impl Block {
     }
 
     fn put_symbol(&mut self, symbol: usize) {
-        self.bits.put(self.words[symbol].into(), self.lengths[symbol].into());
-    }
-
-    /// Adds at most 4 bytes to the bits that are not written.
-    #[inline(always)]
-    fn add(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            let byte = usize::from(byte);
-            self.bits.bits |= u64::from(self.words[byte]) << self.bits.count;
-            self.bits.count += u32::from(self.lengths[byte]);
-        }
+        let Code { word, length } = self.codes[symbol];
+        self.bits.put(word.into(), length);
     }
 
     /// Ends the block. What follows, if it is not the last one, begins with a whole byte.
@@ -213,12 +235,12 @@ impl Block {
             // An empty block that is not compressed, whose lengths begin with a whole byte.
             self.bits.put(0, 3);
         }
-        self.bits.put(0, (8 - self.bits.count) % 8);
+        self.bits.put(0, (8 - self.bits.last.count) % 8);
         if !is_last {
             self.bits.put(0xffff_0000, 32);
         }
         let mut bytes = self.bits.out;
-        bytes.truncate(self.bits.end);
+        bytes.truncate(self.bits.last.end);
         Written { bytes, checksum: self.checksum.finish(), length: self.length }
     }
 }
@@ -229,13 +251,22 @@ impl Content for Block {
         self.length += bytes.len();
         self.bits.make_room(bytes.len() * usize::from(LONGEST) / 8 + 8);
         let (fours, rest) = bytes.as_chunks::<4>();
-        for four in fours {
+        let (codes, bits) = (&self.codes, &mut self.bits);
+        let code = |byte: u8| codes[usize::from(byte)];
+        // Its own copy stays in registers: otherwise every store could change it.
+        let Bits { out, last } = bits;
+        let (out, mut own) = (&mut out[..], *last);
+        for &[a, b, c, d] in fours {
             // At most 7 bits and 4 times 14.
-            self.add(four);
-            self.bits.write();
+            own.add(code(a).then(code(b)));
+            own.add(code(c).then(code(d)));
+            own.write(out);
         }
-        self.add(rest);
-        self.bits.write();
+        for &byte in rest {
+            own.add(code(byte));
+        }
+        own.write(out);
+        *last = own;
     }
 
     fn zeros(&mut self, count: usize) {
@@ -245,8 +276,8 @@ impl Content for Block {
         (0..run.zeros).for_each(|_| self.put_symbol(0));
         let symbol = END + 29;
         // With the distance, a 0, each.
-        let (word, length) = (self.words[symbol].into(), u32::from(self.lengths[symbol]) + 1);
-        (0..run.longest).for_each(|_| self.bits.put(word, length));
+        let Code { word, length } = self.codes[symbol];
+        (0..run.longest).for_each(|_| self.bits.put(word.into(), length + 1));
         if let Some(last) = run.last {
             let symbol = run_symbol(last);
             let (first, extra) = RUNS[symbol];
