@@ -63,6 +63,36 @@ fn numbered_pictures_and_films_show_all_times_in_their_order() {
     assert!((0..3).all(|n| place.read(&format!("g{n}.png")) == place.read(&format!("h{n}.png"))));
 }
 
+/// Names, titles and captions of sheets show the times that files of VTK have in their field data.
+#[test]
+fn files_of_a_series_have_times_of_their_own() {
+    let place = place();
+    for (name, time) in [("a", "0.1"), ("b", "0.25"), ("c", "0.30000000000000004")] {
+        let text = String::from_utf8(place.read(&format!("{name}.vtk"))).unwrap();
+        let field = format!("FIELD FieldData 1\nTimeValue 1 1 double\n{time}\nPOINTS");
+        std::fs::write(place.path(&format!("step_{name}.vtk")), text.replace("POINTS", &field)).unwrap();
+    }
+    let steps = "step_a.vtk step_b.vtk step_c.vtk";
+    place.run(&format!("render {steps} -o t{{time}}.png {VIEW}")).ok_silently();
+    for (name, file) in [("t0.1", "a"), ("t0.25", "b"), ("t0.3", "c")] {
+        assert!(place.read(&format!("{name}.png")) == draw(&place, &format!("{file}.vtk")), "{name}");
+    }
+    let titled = |models: &str, title: &str, output: &str| {
+        place.run(&format!("render {models} -o {output} --title {title} {VIEW}")).ok_silently();
+    };
+    titled(steps, "{time}", "own{}.png");
+    titled("run.pvd", "{time}", "pvd{}.png");
+    titled("step_b.vtk", "0.25", "b.png");
+    assert!((0..3).all(|n| place.read(&format!("own{n}.png")) == place.read(&format!("pvd{n}.png"))));
+    assert!(place.read("own1.png") == place.read("b.png"));
+    place.run(&format!("sheet {steps} -o own.png --caption {{time}} --size 48x36")).ok_silently();
+    place.run("sheet run.pvd -o pvd.png --caption {time} --size 48x36 --frame-over all").ok_silently();
+    place.run(&format!("sheet {steps} -o other.png --caption {{name}} --size 48x36")).ok_silently();
+    assert!(place.read("own.png") != place.read("other.png"));
+    let none = ["TimeValue", "and it has none"];
+    place.run(&format!("render a.vtk -o n.png --title {{time}} {VIEW}")).failed(2, &none);
+}
+
 #[test]
 fn one_time_is_chosen_by_number_or_by_the_nearest_time() {
     let place = place();

@@ -312,3 +312,98 @@ fn collections_are_one_model_and_name_what_is_missing() {
         message("none.pvd")
     );
 }
+
+/// The faces between the pieces of a grid are inside, whether the pieces are in files of their own or in one; towards a piece that is
+/// missing there is an outside.
+#[test]
+fn pieces_of_a_grid_have_no_walls_between_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(folder.path().join(name), text).unwrap();
+    let coordinates = |[low, high]: [i64; 2]| {
+        let numbers: Vec<String> = (low..=high).map(|n| (n as f64 * 0.5).to_string()).collect();
+        format!("<DataArray type=\"Float32\" format=\"ascii\">{}</DataArray>", numbers.join(" "))
+    };
+    let text = |extent: &[[i64; 2]; 3]| {
+        extent.as_flattened().iter().map(i64::to_string).collect::<Vec<_>>().join(" ")
+    };
+    let piece = |kind: &str, extent: &[[i64; 2]; 3]| {
+        let inner = match kind {
+            "RectilinearGrid" => format!("<Coordinates>{}</Coordinates>", extent.map(coordinates).concat()),
+            _ => String::new(),
+        };
+        format!("<Piece Extent=\"{}\">{inner}</Piece>", text(extent))
+    };
+    let file = |kind: &str, pieces: &str| {
+        format!("<VTKFile type=\"{kind}\"><{kind} Spacing=\"0.5 0.5 0.5\">{pieces}</{kind}></VTKFile>")
+    };
+    // Cut along two axes at different places, with numbers below 0.
+    let extents = [
+        [[-3, 1], [0, 2], [4, 9]],
+        [[1, 5], [0, 2], [4, 9]],
+        [[-3, 2], [2, 6], [4, 9]],
+        [[2, 5], [2, 6], [4, 9]],
+    ];
+    let triangles = |[x, y, z]: [usize; 3]| 4 * (x * y + y * z + z * x);
+    for (kind, ending) in [("ImageData", "vti"), ("RectilinearGrid", "vtr")] {
+        let mut sources = String::new();
+        for (number, extent) in extents.iter().enumerate() {
+            write(&format!("{number}.{ending}"), file(kind, &piece(kind, extent)));
+            sources += &format!("<Piece Extent=\"{}\" Source=\"{number}.{ending}\"/>", text(extent));
+        }
+        write("all.xml", file(&format!("P{kind}"), &sources));
+        let pieces = extents.iter().map(|extent| piece(kind, extent)).collect::<String>();
+        write("one.xml", file(kind, &pieces));
+        write("whole.xml", file(kind, &piece(kind, &[[-3, 5], [0, 6], [4, 9]])));
+        let options = ReadOptions::default();
+        let surface = |name: &str| {
+            let mesh = read(folder.path().join(name), &options).unwrap().mesh;
+            let corner = |&v: &u32| mesh.positions[v as usize].map(f32::to_bits);
+            let mut faces: Vec<_> = mesh.triangles.iter().map(|t| t.each_ref().map(corner)).collect();
+            faces.sort_unstable();
+            faces
+        };
+        let whole = surface("whole.xml");
+        assert_eq!(whole.len(), triangles([8, 6, 5]));
+        assert_eq!(surface("all.xml"), whole, "{kind}");
+        assert_eq!(surface("one.xml"), whole, "{kind}");
+        std::fs::remove_file(folder.path().join(format!("0.{ending}"))).unwrap();
+        // Without its outside, and with what it touched: 2 x 5 faces of one neighbour, 4 x 5 of the other.
+        let lost = 2 * (2 * 4 * 2 + 4 * 5 + 2 * 5);
+        assert_eq!(surface("all.xml").len(), whole.len() - lost + 2 * (2 * 5 + 4 * 5), "{kind}");
+    }
+}
+
+/// The time of a file is that of its field data, in all encodings, and a file without them has none.
+#[test]
+fn files_have_a_time() {
+    let time = |bytes: &[u8]| {
+        let options = ReadOptions::default();
+        let input = Input::from_bytes("a", bytes.to_vec(), &options).unwrap();
+        tercio_mesh::io::vtk::time(&input, &options).map_err(|e| e.to_string())
+    };
+    for (what, bytes) in all() {
+        assert_eq!(time(&bytes), Ok(None), "{what}");
+    }
+    let xml = |name: &str, number: &str| {
+        format!(
+            "<VTKFile type=\"PolyData\"><PolyData><FieldData><DataArray type=\"Int32\" Name=\"CYCLE\" NumberOfTuples=\"1\" format=\"ascii\">7</DataArray>\
+             <DataArray type=\"Float64\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{number}</DataArray></FieldData></PolyData></VTKFile>"
+        )
+    };
+    assert_eq!(time(xml("TimeValue", "0.25").as_bytes()), Ok(Some(0.25)));
+    assert_eq!(time(xml("TIME", "-3").as_bytes()), Ok(Some(-3.0)));
+    assert_eq!(time(xml("time", "1").as_bytes()), Ok(None));
+    assert_eq!(time(xml("TimeValue", "").as_bytes()), Ok(None));
+    assert_eq!(time(xml("TimeValue", "nan").as_bytes()), Ok(None));
+    let legacy = |fields: &str| {
+        format!("# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n{fields}POINTS 0 float\n")
+    };
+    let fields = "FIELD FieldData 2\nCYCLE 1 1 int\n7\nTIME 1 1 double\n1.5\n";
+    assert_eq!(time(legacy(fields).as_bytes()), Ok(Some(1.5)));
+    assert_eq!(time(legacy("").as_bytes()), Ok(None));
+    // Of points, an array of this name is data.
+    let data = format!("{}POINT_DATA 0\n{fields}", legacy(""));
+    assert_eq!(time(data.as_bytes()), Ok(None));
+    let binary = [&b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nFIELD FieldData 1\nTimeValue 1 1 double\n"[..], &2.5f64.to_be_bytes(), b"\nPOINTS 0 float\n"].concat();
+    assert_eq!(time(&binary), Ok(Some(2.5)));
+}

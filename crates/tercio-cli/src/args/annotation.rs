@@ -1,5 +1,7 @@
 //! Options of what explains a picture: scalar bar, text, axes, box, grid and scale bar.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::annotate::annotation::readable_on;
@@ -189,6 +191,12 @@ impl AnnotationArgs {
             .iter()
             .chain(self.text.iter().map(|caption| &caption.text))
             .any(|text| pattern::has_any(text))
+    }
+
+    /// Whether a text has a placeholder of this name.
+    pub fn has_placeholder(&self, name: &str) -> bool {
+        let mut texts = self.title.iter().chain(self.text.iter().map(|caption| &caption.text));
+        texts.any(|text| pattern::has(Path::new(text), name))
     }
 
     /// Checks that what placeholders of the texts stand for is known.

@@ -21,7 +21,7 @@ pub mod textures;
 pub mod values;
 pub mod writing;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -52,6 +52,9 @@ pub struct ModelArgs {
     /// Which of the times of a collection is meant.
     #[arg(skip)]
     pub moment: Option<Moment>,
+    /// The time that the file itself has, if it is wanted.
+    #[arg(skip)]
+    pub time: Option<f64>,
 }
 
 /// One of the times of a collection.
@@ -64,6 +67,16 @@ pub struct Moment {
 }
 
 impl ModelArgs {
+    /// A model.
+    pub fn of(model: &Path) -> Self {
+        Self { model: model.into(), moment: None, time: None }
+    }
+
+    /// Its time: that in its collection, or that of its file.
+    pub fn time(&self) -> Option<f64> {
+        self.moment.map(|moment| moment.time).or(self.time)
+    }
+
     /// True if the model comes from standard input, which reaches one process only.
     pub fn is_standard_input(&self) -> bool {
         self.model.as_os_str() == "-" || StandardStream::from_path(&self.model) == Some(StandardStream::Input)

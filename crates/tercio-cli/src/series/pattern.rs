@@ -13,7 +13,7 @@ pub struct Names {
     pub step: Option<usize>,
     /// `{name}`: the name of the model's file without folder and ending.
     pub name: Option<String>,
-    /// `{time}`: the time of the model in its collection.
+    /// `{time}`: the time of the model in its collection, or of its file.
     pub time: Option<f64>,
 }
 
@@ -173,7 +173,9 @@ fn unknown(name: &str) -> &'static str {
         "view" => "{view} needs --view",
         "step" => "{step} numbers a series of models, and there is one model",
         "name" => "{name} is the name of a model",
-        "time" => "{time} is one of the times of a collection (.pvd), and the model is none",
+        "time" => {
+            "{time} is the time of the model in its collection (.pvd), or the number TimeValue or TIME in the field data of a VTK file, and it has none"
+        }
         _ => {
             "{frame} numbers a series of pictures, and there is one picture: give --turntable, --camera-path, several --view or several models"
         }

@@ -125,9 +125,7 @@ impl Validate {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,
             Who::Processes(count) => {
-                let check = |model: &PathBuf| {
-                    ModelArgs { model: model.clone(), moment: None }.check_reaches_all(Some(count))
-                };
+                let check = |model: &PathBuf| ModelArgs::of(model).check_reaches_all(Some(count));
                 self.models.iter().try_for_each(check)?;
                 // A rank draws with one thread, the one that MPI was initialised on.
                 let own = threads::pool(Some(1))?;
@@ -243,7 +241,7 @@ impl Validate {
     fn load(&self, models: &[PathBuf], pool: &ThreadPool, progress: ProgressMode) -> Result<Vec<Model>> {
         let files = self.files();
         let load = |path: &PathBuf| {
-            let model = ModelArgs { model: path.clone(), moment: None };
+            let model = ModelArgs::of(path);
             let (scene, bounds) = pool.install(|| load_scene(&model, &self.running, progress, &files))?;
             Ok(Model { name: file_name(path), scene, bounds })
         };

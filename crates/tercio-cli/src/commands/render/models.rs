@@ -82,7 +82,8 @@ impl Render {
         if self.series.chooses_time() {
             moment = self.series.chosen(model, &self.times(model)?).map_err(UsageError)?;
         }
-        Ok(ModelArgs { model: model.into(), moment })
+        let time = if moment.is_none() { self.own_time(model)? } else { None };
+        Ok(ModelArgs { model: model.into(), moment, time })
     }
 
     /// The times of a model, in order, each as a model; or the model itself, if it has no times or one is chosen.
@@ -92,10 +93,10 @@ impl Render {
         }
         let times = self.times(model)?;
         if times.is_empty() {
-            return Ok(vec![ModelArgs { model: model.into(), moment: None }]);
+            return Ok(vec![ModelArgs { time: self.own_time(model)?, ..ModelArgs::of(model) }]);
         }
         let moment =
-            |(number, time)| ModelArgs { model: model.into(), moment: Some(Moment { number, time }) };
+            |(number, time)| ModelArgs { moment: Some(Moment { number, time }), ..ModelArgs::of(model) };
         Ok(times.into_iter().enumerate().map(moment).collect())
     }
 
@@ -107,6 +108,25 @@ impl Render {
         }
         let options = ReadOptions { memory_limit: self.running.memory_limit(), ..ReadOptions::default() };
         Ok(vtk::times(&input::open(model, &options)?, &options)?)
+    }
+
+    /// The time that a file of VTK has, if the name of an output or a text shows it.
+    fn own_time(&self, model: &Path) -> Result<Option<f64>> {
+        match self.writing.has_placeholder("time") || self.annotation.has_placeholder("time") {
+            true => self.time_of_file(model),
+            false => Ok(None),
+        }
+    }
+
+    /// The time that a file has if it is one of VTK.
+    pub(super) fn time_of_file(&self, model: &Path) -> Result<Option<f64>> {
+        let name = model.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let ending = name.strip_suffix(".gz").unwrap_or(&name).rsplit('.').next().unwrap_or_default();
+        if !matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vts" | "vtr") {
+            return Ok(None);
+        }
+        let options = ReadOptions { memory_limit: self.running.memory_limit(), ..ReadOptions::default() };
+        Ok(vtk::time(&input::open(model, &options)?, &options)?)
     }
 
     /// These options for another model.

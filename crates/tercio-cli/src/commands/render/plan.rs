@@ -150,7 +150,7 @@ impl Render {
                 _ => Some(number / views),
             },
             name: Some(pattern::name_of(&model(number).model)),
-            time: model(number).moment.map(|moment| moment.time),
+            time: model(number).time(),
         };
         let in_one = is_series && !self.writing.is_numbered();
         let planned = |number: usize| -> Result<Plan, String> {

@@ -1,7 +1,7 @@
 //! `tercio sheet`: many small pictures in one, with their names below them.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -155,6 +155,7 @@ impl Sheet {
     /// The models with what is drawn of each.
     fn groups(&self, render: &Render, models: &[PathBuf]) -> Result<Vec<Group>> {
         let motion = render.series.motion(&render.camera)?;
+        let shows_time = self.caption.as_ref().is_some_and(|text| pattern::has(Path::new(text), "time"));
         let mut groups = Vec::new();
         let mut first = 0;
         for model in models {
@@ -163,7 +164,8 @@ impl Sheet {
                 _ => render.steps_of(model)?,
             };
             let of_step = |step: &ModelArgs| {
-                let mut of_step = render.with_model(step);
+                let time = if shows_time { render.time_of_file(model)? } else { None };
+                let mut of_step = render.with_model(&ModelArgs { time, ..step.clone() });
                 of_step.writing = of_step.writing.of_cell(motion.is_series());
                 Item::new(of_step)
             };

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::dataset::Job;
+use super::dataset::{Extent, Job};
 use super::part::Part;
 use super::xml::tree::{Document, Element};
 use super::{looks_like_legacy, looks_like_xml, xml};
@@ -49,9 +49,12 @@ pub fn parts(job: &Job, document: &Document, found: &mut Found) -> Result<Vec<Pa
     companions::note(&mut found.companions, &base, names.iter().chain(&others));
     let mut parts = Vec::new();
     job.begin("reading files", names.len() as u64);
+    let path = |name: &str| base.join(companions::relative(name));
+    // A face towards a piece that is missing is outside.
+    let extents: Vec<_> = extents(document).filter(|(name, _)| path(name).exists()).collect();
     for name in &names {
-        let path = base.join(companions::relative(name));
-        parts.extend(one(job, &path, name, found)?);
+        let others = extents.iter().filter(|(of, _)| of != name).map(|(_, extent)| *extent).collect();
+        parts.extend(one(job, &path(name), (name, others), found)?);
         job.advance(1);
     }
     Ok(parts)
@@ -79,6 +82,12 @@ impl Found {
         self.warnings.push(format!("{files} of the model not found: {names}{dots}"));
         Ok(())
     }
+}
+
+/// The files that are the pieces of a grid, with their extents.
+fn extents(document: &Document) -> impl Iterator<Item = (&str, Extent)> {
+    let pieces = document.root.children.iter().flat_map(|child| child.children_named("Piece"));
+    pieces.filter_map(|piece| Some((piece.attribute("Source")?, xml::extent(piece)?)))
 }
 
 /// The names of files in a collection: those of the chosen time, and those of others.
@@ -145,7 +154,12 @@ pub fn times(root: &Element) -> Vec<f64> {
 }
 
 /// Reads the parts of one file of a collection.
-fn one(job: &Job, path: &Path, name: &str, found: &mut Found) -> Result<Vec<Part>, ReadError> {
+fn one(
+    job: &Job,
+    path: &Path,
+    (name, other_extents): (&str, Vec<Extent>),
+    found: &mut Found,
+) -> Result<Vec<Part>, ReadError> {
     let whole = || path.canonicalize().unwrap_or_else(|_| path.into());
     found.files += 1;
     if found.files > MOST_FILES || found.open.len() >= DEEPEST || found.open.contains(&whole()) {
@@ -177,7 +191,8 @@ fn one(job: &Job, path: &Path, name: &str, found: &mut Found) -> Result<Vec<Part
         // Every file that is read must be known: no output may replace it.
         found.companions.push(path.to_path_buf());
     }
-    let inner = Job::new(&input, &options);
+    let mut inner = Job::new(&input, &options);
+    inner.other_extents = other_extents;
     let before = found.held;
     found.open.push(whole());
     let parts = if looks_like_legacy(input.bytes()) {

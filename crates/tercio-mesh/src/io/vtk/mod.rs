@@ -100,6 +100,25 @@ pub fn times(input: &Input, options: &ReadOptions) -> Result<Vec<f64>, ReadError
     Ok(collection::times(&xml::tree::parse(&job)?.root))
 }
 
+/// Names of the number in a file's field data that is its time: that of VTK and ParaView, and that of VisIt.
+const TIME_NAMES: [&str; 2] = ["TimeValue", "TIME"];
+
+/// The time of a file, if its field data have one. The rest of the file is not read.
+///
+/// # Errors
+/// A file that begins as one of VTK and is none.
+pub fn time(input: &Input, options: &ReadOptions) -> Result<Option<f64>, ReadError> {
+    let job = Job::new(input, options);
+    let time = if looks_like_xml(input.bytes()) {
+        xml::time(&job, &xml::tree::parse(&job)?)?
+    } else if looks_like_legacy(input.bytes()) {
+        legacy::time(&job)?
+    } else {
+        None
+    };
+    Ok(time.filter(|time| time.is_finite()))
+}
+
 /// Reads a legacy file.
 ///
 /// # Errors

@@ -3,6 +3,7 @@
 use super::Parser;
 use super::arrays::Type;
 use crate::ReadError;
+use crate::io::vtk::TIME_NAMES;
 use crate::io::vtk::dataset::{Array, Use};
 use crate::io::vtk::numbers::Scalar;
 
@@ -15,6 +16,8 @@ pub struct Data<'a> {
     points: Vec<Array<'a>>,
     cells: Vec<Array<'a>>,
     now: Option<(Domain, u64)>,
+    /// The time of the file.
+    pub time: Option<f64>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -153,6 +156,9 @@ impl<'a> Data<'a> {
                     } else {
                         let place = parser.place();
                         let numbers = parser.numbers(&what, count, kind)?;
+                        if self.now.is_none() && count > 0 && TIME_NAMES.contains(&&*name) {
+                            self.time = Some(numbers.double(0));
+                        }
                         if let Some((domain, wanted)) = self.now {
                             if tuples != wanted {
                                 let expected = format!("{wanted} tuples of {what}");

@@ -62,15 +62,41 @@ pub fn part(job: &Job) -> Result<Option<Part>, ReadError> {
 }
 
 fn part_and_format(job: &Job) -> Result<(Part, String), ReadError> {
-    let (input, mut warnings) = (job.input, Vec::new());
-    let text = if is_binary(input.bytes()) {
-        Cow::Borrowed(input.bytes())
-    } else {
-        transcode::text(input, job.options, &mut warnings)?
-    };
-    warnings.into_iter().for_each(|warning| job.warn(warning));
+    let text = text(job)?;
     let (data, format) = parse(job, &text)?;
     Ok((part::make(job, data)?, format))
+}
+
+/// The file, as text where it is not binary.
+fn text<'a>(job: &Job<'a>) -> Result<Cow<'a, [u8]>, ReadError> {
+    let (input, mut warnings) = (job.input, Vec::new());
+    if is_binary(input.bytes()) {
+        return Ok(Cow::Borrowed(input.bytes()));
+    }
+    let text = transcode::text(input, job.options, &mut warnings)?;
+    warnings.into_iter().for_each(|warning| job.warn(warning));
+    Ok(text)
+}
+
+/// The time that the field data of a file have, which are before its points.
+///
+/// # Errors
+/// Any [`ReadError`].
+pub fn time(job: &Job) -> Result<Option<f64>, ReadError> {
+    let text = text(job)?;
+    let (mut parser, _) = begin(job, &text)?;
+    let (mut geometry, mut data) = (Geometry::default(), Data::default());
+    while let Some(word) = parser.keyword() {
+        let is_before = match word.as_str() {
+            "DATASET" => geometry.read(&mut parser, &word)?,
+            "FIELD" | "METADATA" => data.read(&mut parser, &word)?,
+            _ => false,
+        };
+        if !is_before {
+            break;
+        }
+    }
+    Ok(data.time)
 }
 
 /// Is the third line of the header the word BINARY?
@@ -80,8 +106,8 @@ fn is_binary(bytes: &[u8]) -> bool {
     lines.next().is_some_and(|line| line.trim_ascii().eq_ignore_ascii_case(b"BINARY"))
 }
 
-fn parse<'a>(job: &Job<'a>, text: &'a [u8]) -> Result<(DataSet<'a>, String), ReadError> {
-    job.begin("parsing", text.len() as u64);
+/// Reads the header: returns what reads the rest, and the version.
+fn begin<'j, 'a>(job: &'j Job<'a>, text: &'a [u8]) -> Result<(Parser<'j, 'a>, String), ReadError> {
     let mut parser = Parser { job, cursor: Cursor::new(text, 1), binary: false, reported: 0 };
     parser.cursor.skip_space();
     let first = parser.cursor.rest_of_line();
@@ -96,6 +122,12 @@ fn parse<'a>(job: &Job<'a>, text: &'a [u8]) -> Result<(DataSet<'a>, String), Rea
         b"BINARY" => true,
         _ => return Err(before.expected(job.file(), "ASCII or BINARY in the third line")),
     };
+    Ok((parser, version))
+}
+
+fn parse<'a>(job: &Job<'a>, text: &'a [u8]) -> Result<(DataSet<'a>, String), ReadError> {
+    job.begin("parsing", text.len() as u64);
+    let (mut parser, version) = begin(job, text)?;
     let (mut geometry, mut data) = (Geometry::default(), Data::default());
     while let Some(word) = parser.keyword() {
         let known = data.read(&mut parser, &word)? || geometry.read(&mut parser, &word)?;
@@ -109,7 +141,7 @@ fn parse<'a>(job: &Job<'a>, text: &'a [u8]) -> Result<(DataSet<'a>, String), Rea
     let [point_data, cell_data] = data.finish();
     let encoding = if parser.binary { "binary" } else { "ASCII" };
     let format = format!("VTK legacy {version}, {encoding}, {kind}");
-    Ok((DataSet { points, cells, point_data, cell_data }, format))
+    Ok((DataSet { points, cells, beside: Vec::new(), point_data, cell_data }, format))
 }
 
 impl<'a> Parser<'_, 'a> {

@@ -4,7 +4,7 @@ use super::Surface;
 use super::builder::Builder;
 use crate::ReadError;
 use crate::io::vtk::cells::{self, Shape};
-use crate::io::vtk::dataset::{Job, Points};
+use crate::io::vtk::dataset::{Job, Points, Range3};
 
 /// Number of cells along an axis with so many points.
 fn along(points: u64) -> u64 {
@@ -34,8 +34,8 @@ pub fn cell(dims: [u64; 3], cell: usize, buffer: &mut [u32; 8]) -> (Shape, &[u32
     (shape, &buffer[..corners.len()])
 }
 
-/// The faces at the borders of a grid in the order of its cells.
-pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, ReadError> {
+/// The faces at the borders of a grid in the order of its cells, except those that cells `beside` it touch.
+pub fn outer(job: &Job, dims: [u64; 3], points: &Points, beside: &[Range3]) -> Result<Surface, ReadError> {
     let [x, y, z] = dims.map(along);
     if x == 0 || y == 0 || z == 0 {
         // The other axes may be as long as numbers allow.
@@ -47,6 +47,7 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
     job.begin("extracting the surface", z);
     let mut builder = Builder::new(points);
     let mut buffer = [0; 8];
+    let touching = touching([x, y, z], beside);
     for k in 0..z {
         for j in 0..y {
             let whole_row = !is_solid || j == 0 || j + 1 == y || k == 0 || k + 1 == z;
@@ -60,8 +61,10 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
                     continue;
                 };
                 // In the order of the faces of a hexahedron.
-                let open = [i == 0, i + 1 == x, j == 0, j + 1 == y, k == 0, k + 1 == z];
-                for (face, _) in volume.faces.iter().zip(open).filter(|(_, open)| *open) {
+                let at = [i, j, k];
+                let border = [i == 0, i + 1 == x, j == 0, j + 1 == y, k == 0, k + 1 == z];
+                let is_open = |side: usize| border[side] && !is_touched(&touching[side], side / 2, at);
+                for (face, _) in volume.faces.iter().zip(0..).filter(|&(_, side)| is_open(side)) {
                     let corners = [0, 1, 2, 3].map(|c| nodes[face.nodes[c] as usize]);
                     builder.side(4, &corners);
                 }
@@ -70,4 +73,20 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
         job.advance(1);
     }
     Ok(Surface { cells: Some(builder.cells), ..builder.surface })
+}
+
+/// Of cells beside a grid of so many, those that touch each of its sides, in the order of the faces of a hexahedron.
+fn touching(cells: [u64; 3], beside: &[Range3]) -> [Vec<&Range3>; 6] {
+    std::array::from_fn(|side| {
+        let axis = side / 2;
+        // The layer of cells beyond the side.
+        let layer = if side % 2 == 0 { -1 } else { cells[axis] as i64 };
+        beside.iter().filter(|cells| cells[axis].contains(&layer)).collect()
+    })
+}
+
+/// Is a cell at a side, across this axis, beside one of these cells?
+fn is_touched(touching: &[&Range3], axis: usize, at: [u64; 3]) -> bool {
+    let is_along = |cells: &Range3, other: usize| other == axis || cells[other].contains(&(at[other] as i64));
+    touching.iter().any(|cells| (0..3).all(|other| is_along(cells, other)))
 }

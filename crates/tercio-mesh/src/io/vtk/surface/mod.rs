@@ -50,7 +50,7 @@ pub fn extract(job: &Job, data: &mut DataSet) -> Result<Surface, ReadError> {
     }
     let has_ghosts = Ghosts::of(data).are_any();
     match &mut data.cells {
-        Cells::Structured(dims) if !has_ghosts => return grid::outer(job, *dims, &data.points),
+        Cells::Structured(dims) if !has_ghosts => return grid::outer(job, *dims, &data.points, &data.beside),
         Cells::Poly([verts, lines, polygons, strips]) if !has_ghosts => {
             let others = [verts, lines, strips].iter().map(|l| l.len()).sum::<usize>();
             if let (0, Ends::Uniform { corners: 3, .. }) = (others, &polygons.ends) {

@@ -11,7 +11,8 @@ mod compress;
 mod pieces;
 pub mod tree;
 
-use super::dataset::{Array, Cells, DataSet, Job, Use};
+use super::TIME_NAMES;
+use super::dataset::{Array, Cells, DataSet, Extent, Job, Use};
 use super::numbers::Scalar;
 use super::part::{self, Part};
 use crate::ReadError;
@@ -88,6 +89,28 @@ fn encoding(job: &Job, document: &Document) -> Result<Encoding, ReadError> {
     Ok(Encoding { big_endian, word, compressor, appended: document.appended })
 }
 
+/// The time that the field data of a file have.
+///
+/// # Errors
+/// Any [`ReadError`].
+pub fn time(job: &Job, document: &Document) -> Result<Option<f64>, ReadError> {
+    let kind = document.root.attribute("type").unwrap_or_default();
+    let data = document.root.child(kind).and_then(|data| data.child("FieldData"));
+    let arrays = data.into_iter().flat_map(|data| data.children_named("DataArray"));
+    let is_time = |name: &str| TIME_NAMES.contains(&name);
+    let Some(array) = { arrays }.find(|array| array.attribute("Name").is_some_and(is_time)) else {
+        return Ok(None);
+    };
+    let Type::Numbers(scalar) = arrays::kind(job, array)? else { return Ok(None) };
+    let numbers = arrays::numbers(job, &encoding(job, document)?, array, scalar)?;
+    Ok((numbers.len() > 0).then(|| numbers.double(0)))
+}
+
+/// That of a piece of a grid.
+pub fn extent(piece: &Element) -> Option<Extent> {
+    Extent::parse(piece.attribute("Extent")?)
+}
+
 /// All pieces of a file with a data set.
 ///
 /// # Errors
@@ -100,9 +123,13 @@ pub fn parts(job: &Job, document: &Document) -> Result<Vec<Part>, ReadError> {
         return Err(job.malformed(job.line(root.at), format!("the element {kind}"), "none"));
     };
     job.begin("reading pieces", data.children_named("Piece").count() as u64);
+    let extents: Vec<Extent> = data.children_named("Piece").filter_map(extent).collect();
     let mut parts = Vec::new();
     for piece in data.children_named("Piece") {
-        if let Some(set) = reader.piece(kind, data, piece)? {
+        if let Some(mut set) = reader.piece(kind, data, piece)? {
+            if let (Cells::Structured(_), Some(own)) = (&set.cells, extent(piece)) {
+                set.beside = own.beside(extents.iter().chain(&job.other_extents));
+            }
             parts.push(part::make(job, set)?);
         }
         job.advance(1);
@@ -179,6 +206,6 @@ impl<'a> Reader<'_, 'a> {
         let keep = |count: u64, arrays: Vec<Array<'a>>| if count == 0 { Vec::new() } else { arrays };
         let (point_data, cell_data) =
             (keep(points.count(), point_data), keep(Cells::count(&cells), cell_data));
-        Ok(Some(DataSet { points, cells, point_data, cell_data }))
+        Ok(Some(DataSet { points, cells, beside: Vec::new(), point_data, cell_data }))
     }
 }

@@ -5,7 +5,7 @@ use super::arrays::{self, Type};
 use super::tree::Element;
 use crate::ReadError;
 use crate::io::vtk::build;
-use crate::io::vtk::dataset::{CellList, Cells, Ends, Points};
+use crate::io::vtk::dataset::{CellList, Cells, Ends, Extent, Points};
 use crate::io::vtk::numbers::Numbers;
 use crate::mesh::MAX_ELEMENTS;
 
@@ -240,12 +240,8 @@ impl<'a> Reader<'_, 'a> {
     /// First numbers and counts of the points of a piece along the axes.
     fn extent(&self, piece: &Element) -> Result<([i64; 3], [u64; 3]), ReadError> {
         let text = piece.attribute("Extent").unwrap_or_default();
-        let numbers: Vec<i64> = text.split_whitespace().filter_map(|n| n.parse().ok()).collect();
-        let dims = |low: i64, high: i64| u64::try_from(high.checked_sub(low)?.checked_add(1)?).ok();
-        if let [x0, x1, y0, y1, z0, z1] = numbers[..]
-            && let (Some(x), Some(y), Some(z)) = (dims(x0, x1), dims(y0, y1), dims(z0, z1))
-        {
-            return Ok(([x0, y0, z0], [x, y, z]));
+        if let Some((extent, points)) = Extent::parse(text).and_then(|e| Some((e, e.points()?))) {
+            return Ok((extent.0.map(|[first, _]| first), points));
         }
         let expected = "Extent with the first and the last point along three axes";
         Err(self.job.malformed(self.job.line(piece.at), expected, format!("{text:?}")))
