@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use mpi::ffi::MPI_Comm;
 use tercio_parallel::comm::{Awaited, CommError, Communicator, RankNames, ReadySenders, Traffic};
@@ -59,6 +59,27 @@ pub struct Patience {
     pub notice: Box<dyn FnMut(&RankNames)>,
     /// After this time the wait ends with [`CommError::Silent`], if it is given.
     pub timeout: Option<Duration>,
+}
+
+impl Patience {
+    /// After waiting for so long for these ranks: the notice, unless there was one, and the end.
+    fn check(
+        &mut self,
+        waited: Duration,
+        noticed: &mut bool,
+        names: impl Fn() -> RankNames,
+    ) -> Result<(), CommError> {
+        if waited >= self.silence && !*noticed {
+            *noticed = true;
+            (self.notice)(&names());
+        }
+        match self.timeout {
+            Some(timeout) if waited >= timeout => {
+                Err(CommError::Silent { ranks: names(), seconds: waited.as_secs() })
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for Patience {
@@ -124,7 +145,7 @@ impl MpiComm {
     /// # Errors
     /// [`CommError`] if MPI fails.
     pub fn close(mut self) -> Result<(), CommError> {
-        self.leave()
+        self.leave(None)
     }
 
     /// Sends messages in parts of at most this many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
@@ -132,7 +153,8 @@ impl MpiComm {
         self.part_bytes = bytes;
     }
 
-    /// What happens if this rank waits for long. The end of the job, where ranks wait until all are done, is not meant.
+    /// What happens if this rank waits for long. At the end of a job of [`run`](crate::run), where ranks wait until all are done, it
+    /// counts from when rank 0 is done, which may write for long what was drawn.
     pub fn set_patience(&mut self, patience: Patience) {
         self.patience = patience;
     }
@@ -251,13 +273,7 @@ impl MpiComm {
     ) -> Result<T, CommError> {
         let mut noticed = false;
         until(|waited| {
-            if waited >= self.patience.silence && !noticed {
-                noticed = true;
-                (self.patience.notice)(&names());
-            }
-            if self.patience.timeout.is_some_and(|timeout| waited >= timeout) {
-                return Err(CommError::Silent { ranks: names(), seconds: waited.as_secs() });
-            }
+            self.patience.check(waited, &mut noticed, &names)?;
             poll(self)
         })
     }
@@ -282,7 +298,10 @@ impl MpiComm {
 
     /// Tells the others that no more messages follow, and waits until all others have done the same and all messages
     /// are transferred; messages that were not requested are dropped. So no rank waits for one that has ended.
-    pub(crate) fn leave(&mut self) -> Result<(), CommError> {
+    ///
+    /// With an `end_with`, patience counts when that rank has left, the last one to have work of its own, and begins again with each
+    /// message.
+    pub(crate) fn leave(&mut self, end_with: Option<usize>) -> Result<(), CommError> {
         let (rank, size) = (self.rank(), self.size());
         if self.arrived[rank].has_left {
             return Ok(());
@@ -294,13 +313,24 @@ impl MpiComm {
             let outgoing = self.link.send(to, (PART, FAREWELL), Vec::new(), PART_BYTES);
             self.outgoing.push(outgoing.map_err(transport(to))?);
         }
+        let (mut noticed, mut since) = (false, None);
         until(|_| {
             while let Some(Envelope { from, .. }) = self.take(None)? {
                 self.arrived[from].messages.clear();
+                since = None;
             }
             self.forget_sent()?;
-            let all = self.outgoing.is_empty() && self.arrived.iter().all(|a| a.has_left);
-            Ok(all.then_some(()))
+            let Self { arrived, outgoing, patience, .. } = self;
+            if outgoing.is_empty() && arrived.iter().all(|a| a.has_left) {
+                return Ok(Some(()));
+            }
+            if end_with.is_some_and(|last| arrived[last].has_left) {
+                let waited = since.get_or_insert_with(Instant::now).elapsed();
+                let stay = || (0..size).filter(|&rank| !arrived[rank].has_left);
+                let unsent = || outgoing.iter().map(|outgoing| outgoing.to);
+                patience.check(waited, &mut noticed, || Awaited::new(stay().chain(unsent())).names())?;
+            }
+            Ok(None)
         })
     }
 }
@@ -407,7 +437,7 @@ impl Drop for MpiComm {
     /// So that the others get an error if they wait for this rank.
     fn drop(&mut self) {
         // An error is one of the end only: there is nobody to tell it.
-        self.leave().ok();
+        self.leave(None).ok();
     }
 }
 

@@ -65,7 +65,7 @@ pub fn run<T, E: From<CommError>>(
             comm.abort(FAILURE);
         }
     };
-    let Err(error) = comm.leave() else { return Ok(done) };
+    let Err(error) = comm.leave(Some(0)) else { return Ok(done) };
     tell(rank, error.into());
     comm.abort(FAILURE)
 }

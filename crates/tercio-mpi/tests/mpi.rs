@@ -109,6 +109,16 @@ fn a_rank_that_ends_early_is_gone() {
     fails("early-end", "rank 0 is gone");
 }
 
+#[test]
+fn ranks_that_do_not_end_are_named() {
+    fails("silent-end", "rank LAST has been silent for 1 s");
+}
+
+#[test]
+fn rank_0_may_end_late() {
+    passes("long-end");
+}
+
 /// The example, as one process with some threads, or as a job.
 fn wave(ranks: usize, is_job: bool, folder: &Path) -> Vec<Vec<u8>> {
     let program = std::env::current_exe().expect("this program's path");

@@ -12,7 +12,7 @@ use tercio_parallel::{Communicator as _, ParallelError};
 /// A trial and its name.
 type Trial = (&'static str, fn(&mut MpiComm) -> Result<(), ParallelError>);
 
-const TRIALS: [Trial; 12] = [
+const TRIALS: [Trial; 14] = [
     ("order", trials::order),
     ("everybody-sends-first", trials::everybody_sends_first),
     ("parts", trials::parts),
@@ -25,6 +25,8 @@ const TRIALS: [Trial; 12] = [
     ("error", trials::error),
     ("panic", trials::panic),
     ("early-end", trials::early_end),
+    ("silent-end", trials::silent_end),
+    ("long-end", trials::long_end),
 ];
 
 fn main() -> ExitCode {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use tercio_mpi::MpiComm;
+use tercio_mpi::{MpiComm, Patience};
 use tercio_parallel::ParallelError;
 use tercio_parallel::comm::collective::all_sum;
 use tercio_parallel::comm::{Awaited, CommError, Communicator, Group, Traffic};
@@ -242,4 +242,28 @@ pub fn early_end(comm: &mut MpiComm) -> Outcome {
     assert_eq!(error, Err(CommError::Gone { rank: 0 }));
     assert_eq!(comm.send(0, vec![1]), Err(CommError::Gone { rank: 0 }));
     Ok(error?)
+}
+
+/// Ends waiting after more than a second.
+fn impatient(comm: &mut MpiComm) {
+    let timeout = Some(Duration::from_millis(1200));
+    comm.set_patience(Patience { timeout, ..Patience::default() });
+}
+
+/// The last rank neither sends anything nor ends.
+pub fn silent_end(comm: &mut MpiComm) -> Outcome {
+    impatient(comm);
+    if comm.rank() + 1 == comm.size() {
+        std::thread::sleep(Duration::from_secs(300));
+    }
+    Ok(())
+}
+
+/// Rank 0 has work of its own when all others have ended, for longer than they would wait for a message.
+pub fn long_end(comm: &mut MpiComm) -> Outcome {
+    impatient(comm);
+    if comm.rank() == 0 {
+        std::thread::sleep(Duration::from_secs(3));
+    }
+    Ok(())
 }
