@@ -28,7 +28,8 @@ use crate::output::UsageError;
 pub struct DataArgs {
     /// Colours the model, its lines and points by an attribute (tercio info lists them; of a vector, its magnitude),
     /// NAME:COMPONENT, NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
-    /// @component, @face.
+    /// @component, @face; or by what every format has: @x, @y, @z (coordinates of the file), @color, @color:red (green, blue, alpha; 0 to 255),
+    /// @texcoord:u (v), or the names that files have for them, such as x, nx, red, u.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),

@@ -144,7 +144,7 @@ fn names_find_attributes_components_and_colors() {
     assert_eq!(find("@elevation"), values(DataSource::Along(DVec3::Z)));
     let error = |name: &str| find(name).expect_err(name).to_string();
     let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
-    let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");
+    let all = format!("{all}, @elevation, @x, @y, @z, @normal, @face, @curvature, @component");
     assert_eq!(error("q"), format!("there is no attribute \"q\"; there are {all}"));
     for polygon in [Attribute::POLYGON, "@polygon@cell"] {
         assert!(error(polygon).contains(&all), "{polygon}");
@@ -154,6 +154,60 @@ fn names_find_attributes_components_and_colors() {
     assert_eq!(error("p:1"), "\"p\" has no component \"1\"; it has 0, magnitude");
     assert!(error("@curvature").contains("prepared"));
     assert!(error("@normal:w").contains("x, y, z, rgb"));
+}
+
+#[test]
+fn what_a_mesh_holds_itself_has_names() {
+    let mut mesh = Mesh {
+        origin: DVec3::new(4e6, 0.0, 0.0),
+        positions: vec![[0.25, 0.0, 7.0], [1.5, 0.0, 8.0], [0.0, 1.0, 9.0]],
+        triangles: vec![[0, 1, 2]],
+        vertex_colors: Some(vec![[1, 2, 3, 4], [11, 12, 13, 14], [21, 22, 23, 24]]),
+        texcoords: Some(vec![[0.25, 0.5], [0.75, 0.0], [0.0, 1.0]]),
+        ..Mesh::default()
+    };
+    let of = |mesh: &Mesh| {
+        let mut instance = Instance::new(partition(mesh.clone(), &PartitionOptions::default()));
+        // The place of the instance does not count.
+        instance.world_from_object = glam::DAffine3::from_translation(DVec3::splat(1e3));
+        instance
+    };
+    let instance = of(&mesh);
+    let range = |name: &str| colors(&DataOptions::new(name), &instance).map(|colors| colors.range);
+    for (name, meaning, expected) in [
+        ("x", "@x", [4e6, 4e6 + 1.5]),
+        ("z", "@z", [7.0, 9.0]),
+        ("red", "@color:r", [1.0, 21.0]),
+        ("Blue", "@color:blue", [3.0, 23.0]),
+        ("alpha@point", "@color:3", [4.0, 24.0]),
+        ("s", "@texcoord:u", [0.0, 0.75]),
+        ("texture_v", "@texcoord:1", [0.0, 1.0]),
+    ] {
+        assert_eq!(range(name), Ok(expected), "{name}");
+        assert_eq!(range(meaning), Ok(expected), "{meaning}");
+    }
+    let direct = DataOptions::new("rgb").data(&instance).expect("colours");
+    let SurfaceData::Direct { components, scale, offset } = &*direct else { panic!("values") };
+    assert_eq!((components.len(), *scale, *offset), (3, 1.0 / 255.0, 0.0));
+    let error = |name: &str| range(name).expect_err(name).to_string();
+    assert!(error("q").contains("@x, @y, @z, @color (red, green, blue, alpha), @texcoord (u, v)"));
+    assert!(error("@texcoord").contains("@texcoord:u, @texcoord:v"));
+    assert!(error("@color:cyan").contains("red, green, blue"));
+    assert!(error("nx").contains("no attribute \"nx\"") && error("red@cell").contains("no attribute"));
+
+    // An attribute of the file goes first; without colours there are none.
+    mesh.attributes.push(Attribute {
+        name: "red".into(),
+        domain: V,
+        values: vec![5.0, 6.0, 7.0],
+        offset: 0.0,
+    });
+    (mesh.vertex_colors, mesh.face_colors) = (None, Some(vec![[9, 8, 7, 6]]));
+    let instance = of(&mesh);
+    let found = |name: &str| name::find(name, instance.mesh.layout(), DVec3::Z);
+    let values = |source| Ok(name::Found::Values(source));
+    assert_eq!(found("red"), values(DataSource::Attribute(0)));
+    assert_eq!(found("green"), values(DataSource::Color(1, T)));
 }
 
 #[test]

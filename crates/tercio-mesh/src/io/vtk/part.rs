@@ -124,9 +124,7 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
             Use::Colors => part.vertex_colors = Some(colors(array, kept)),
             Use::Attribute => {}
         }
-        if !matches!(array.r#use, Use::Normals | Use::Texcoords) {
-            attributes(job, array, AttributeDomain::Vertex, kept, &mut part.attributes);
-        }
+        attributes(job, array, AttributeDomain::Vertex, kept, &mut part.attributes);
     }
     for array in &data.cell_data {
         let cells = part.cells.as_deref();
