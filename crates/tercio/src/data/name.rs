@@ -49,8 +49,10 @@ pub fn available(layout: &Layout) -> Vec<String> {
         });
         match array {
             Some(array) => {
-                let count = vector(array, layout).len();
-                all.push(format!("{array} ({}, {count} components)", domain(*d)));
+                let components = vector(array, layout);
+                let own: Vec<&str> = components.iter().filter_map(|&n| layout.component(n)).collect();
+                let own = if own.is_empty() { String::new() } else { format!(": {}", own.join(", ")) };
+                all.push(format!("{array} ({}, {} components{own})", domain(*d), components.len()));
             }
             None if is_other => {}
             None => all.push(format!("{name} ({})", domain(*d))),
@@ -181,14 +183,24 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
             Ok(Found::Colors { components, kind: ColorKind::OfData })
         }
         (Some(component), single) => {
-            let number = component.parse().ok().or_else(|| AXES.iter().position(|axis| *axis == component));
+            let axes = &AXES[..all.len().min(AXES.len())];
+            // Names of the file go first.
+            let number = all.iter().position(|&n| layout.component(n) == Some(component));
+            let number = number.or_else(|| component.parse().ok());
+            let number = number.or_else(|| axes.iter().position(|axis| *axis == component));
             if let Some(&attribute) = number.and_then(|number: usize| all.get(number)) {
                 return values(attribute);
             }
             if all.is_empty() && single.is_none() {
                 return Err(unknown());
             }
-            let mut there: Vec<String> = (0..all.len().max(1)).map(|k| k.to_string()).collect();
+            if single.is_some_and(|n| layout.component(n) == Some(component)) {
+                return single.map_or_else(|| Err(unknown()), values);
+            }
+            let own = all.iter().copied().chain(single).filter_map(|n| layout.component(n));
+            let mut there: Vec<String> = own.map(String::from).collect();
+            there.extend((0..all.len().max(1)).map(|k| k.to_string()));
+            there.extend(axes.iter().filter(|_| all.len() <= AXES.len()).map(|&axis| axis.into()));
             there.push("magnitude".into());
             if (3..=4).contains(&all.len()) {
                 there.push("rgb".into());

@@ -55,6 +55,7 @@ pub fn layout(strokes: &Strokes) -> Layout {
     Layout {
         attributes,
         offsets: Layout::offsets_of(&strokes.attributes),
+        components: Layout::components_of(&strokes.attributes),
         vertex_colors: strokes.colors.is_some(),
         ..Layout::default()
     }
