@@ -48,6 +48,18 @@ fn values_become_colors() {
     let beyond = render(&format!("--color-by quality {beyond}"));
     assert_eq!(different(&beyond), [[1, 2, 3], [0, 0, 255], [255, 0, 0], [4, 5, 6]]);
     assert!(render("--color-by odd --nan-color #0a0b0c").contains(&[10, 11, 12]));
+    // The file of a colour map may have one, which the option replaces; likewise the colours beyond the range.
+    let map = "[{\"RGBPoints\":[0,0,0,0,1,0,0,1],\"NanColor\":[1,1,0],\"UseBelowRangeColor\":1,\"BelowRangeColor\":[0,1,0],\
+        \"UseAboveRangeColor\":0,\"AboveRangeColor\":[1,0,0]}]";
+    fs::write(place.path("map.json"), map).unwrap();
+    assert!(render("--color-by odd --colormap map.json").contains(&[255, 255, 0]));
+    let given = render("--color-by odd --colormap map.json --nan-color #0a0b0c");
+    assert!(given.contains(&[10, 11, 12]) && !given.contains(&[255, 255, 0]));
+    let beyond = render("--color-by quality --colormap map.json --bands 1 --range 2,6");
+    assert_eq!(different(&beyond), [[0, 255, 0], [0, 0, 128]]);
+    // Contours at values that are not spread evenly: 0 to 1 has the colour of 0.5, 1 to 6 that of 3.5, 6 to 8 that of 7.
+    let contours = "--color-by quality --colormap gray --mode contours --isolines 1,6 --isoline-width 0";
+    assert_eq!(different(&render(contours)), [[16; 3], [112; 3], [223; 3]]);
     fs::write(place.path("map.txt"), "# mine\n10 20 30\n200 20 30\n").unwrap();
     assert_eq!(
         different(&render("--color-by quality --bands 2 --colormap map.txt")),
@@ -94,6 +106,59 @@ fn what_is_wrong_is_told_with_what_there_is() {
         .run("render a.ply -o map.txt --format ppm --color-by quality --colormap map.txt")
         .failed(2, &["map.txt"]);
     assert!(!place.names().contains(&"a.png".into()));
+}
+
+#[test]
+fn what_every_format_has_can_be_named() {
+    let place = Place::new();
+    let header: String =
+        ["x", "y", "z", "nx", "ny", "nz", "s", "t"].map(|p| format!("property float {p}\n")).concat();
+    let ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\n{header}property uchar red\nproperty uchar green\nproperty uchar blue\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+         0 0 0 0 0 1 0 0.5 10 20 30\n1 0 0 0 0.6 0.8 1 0 50 20 30\n0 1 0 0 0 1 0.25 0 90 20 30\n3 0 1 2\n"
+    );
+    fs::write(place.path("a.ply"), ply).unwrap();
+    fs::write(
+        place.path("a.xyz"),
+        "4500000.1 0 3 10 20 30\n4500000.2 1 5 10 200 30\n4500000.3 2 5 10 20 30\n",
+    )
+    .unwrap();
+    let vtk = "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n\
+        POINT_DATA 3\nNORMALS n float\n0 0 1 0 0.6 0.8 0 0 1\nTEXTURE_COORDINATES tc 2 float\n0 0 1 0 0 0.5\n";
+    fs::write(place.path("a.vtk"), vtk).unwrap();
+    let range = |file: &str, name: &str| {
+        let text =
+            place.run(&format!("render {file} -o a.png -q --size 20x20 --json --color-by {name}")).ok();
+        let text: serde_json::Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {text}"));
+        let range = &text["data"]["range"];
+        [0, 1].map(|k| range[k].as_f64().unwrap_or_else(|| panic!("{file} {name}: {text}")))
+    };
+    for (file, name, [low, high]) in [
+        ("a.ply", "x", [0.0, 1.0]),
+        ("a.ply", "red", [10.0, 90.0]),
+        ("a.ply", "t", [0.0, 0.5]),
+        ("a.ply", "ny", [0.0, 0.6]),
+        ("a.xyz", "green", [20.0, 200.0]),
+        ("a.xyz", "x", [4500000.1, 4500000.3]),
+        ("a.xyz", "@z", [3.0, 5.0]),
+        ("a.vtk", "n:y", [0.0, 0.6]),
+        ("a.vtk", "tc:0", [0.0, 1.0]),
+    ] {
+        let found = range(file, name);
+        assert!((found[0] - low).abs() < 1e-3 && (found[1] - high).abs() < 1e-3, "{file} {name}: {found:?}");
+    }
+    let info = place.run("info a.vtk").ok_silently();
+    assert!(info.text().contains("n:0") && info.text().contains("tc:1"), "{}", info.text());
+    // Points have no surface.
+    for name in ["@normal", "@normal:x", "@face", "@component", "@curvature", "nx", "u"] {
+        place.run(&format!("render a.xyz -o b.png --color-by {name}")).failed(
+            1,
+            &[&format!(
+                "a.xyz: there is no attribute \"{name}\"; there are @elevation, @x, @y, @z, @color (red"
+            )],
+        );
+    }
 }
 
 #[test]

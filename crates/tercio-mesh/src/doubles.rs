@@ -191,7 +191,7 @@ mod tests {
     fn joined_attributes_have_one_offset() {
         let attribute = |values: &[f64]| {
             let (values, offset) = store(values);
-            Attribute { name: "id".into(), domain: AttributeDomain::Vertex, values, offset }
+            Attribute { name: "id".into(), domain: AttributeDomain::Vertex, values, offset, component: None }
         };
         let (mut a, mut b) = (attribute(&[16_777_217.0, 16_777_219.0]), attribute(&[5.0, 6.0]));
         Attribute::agree(&mut [&mut a, &mut b]);

@@ -69,6 +69,8 @@ pub struct Attribute {
     /// What is added to the values to get those of the file: not 0 only where the file has 64 bits, and its values differ by so
     /// little that `f32` would round the differences away, or are whole and would be rounded.
     pub offset: f64,
+    /// What the file calls this component of an array, if it names them.
+    pub component: Option<String>,
 }
 
 impl Attribute {

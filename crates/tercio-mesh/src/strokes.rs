@@ -149,7 +149,13 @@ mod tests {
     fn a_vertex_of_elements_of_several_colors_becomes_several() {
         let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [9.0; 3]];
         let values = vec![5.0, 6.0, 7.0, 8.0];
-        let attribute = Attribute { name: "a".into(), domain: AttributeDomain::Vertex, values, offset: 0.0 };
+        let attribute = Attribute {
+            name: "a".into(),
+            domain: AttributeDomain::Vertex,
+            values,
+            offset: 0.0,
+            component: None,
+        };
         let (segments, points) = (vec![[0, 1], [1, 2], [2, 1]], vec![1, 0]);
         let strokes =
             Strokes { positions, attributes: vec![attribute], segments, points, ..Strokes::default() };

@@ -324,8 +324,7 @@ mod tests {
                 mesh.attributes.push(Attribute {
                     name: "q".into(),
                     domain: AttributeDomain::Vertex,
-                    values: (0..mesh.positions.len()).map(|v| (v % 3) as f32).collect(), offset: 0.0,
-                });
+                    values: (0..mesh.positions.len()).map(|v| (v % 3) as f32).collect(), offset: 0.0, component: None });
             }
             let before = mesh.clone();
             let key = |m: &Mesh, v: usize| (

@@ -165,7 +165,7 @@ fn colors_by_data() {
     let mut mesh = builtin::make("builtin:soup@2k").expect("a model");
     let values = (0..mesh.positions.len()).map(|v| (v * 37 % 101) as f32).collect();
     let (name, domain) = ("x".into(), tercio_mesh::AttributeDomain::Vertex);
-    mesh.attributes.push(tercio_mesh::Attribute { name, domain, values, offset: 0.0 });
+    mesh.attributes.push(tercio_mesh::Attribute { name, domain, values, offset: 0.0, component: None });
     let plain = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
     let map = tercio_scene::ColorMap::named("turbo").expect("a known map");
     for opacities in [vec![], vec![0.2, 1.0]] {

@@ -248,7 +248,8 @@ impl Mapping {
                 }
                 None => {
                     mapping.index = [INTERVALS as f32, 0.5];
-                    (0..=INTERVALS).map(|i| at(i as f64 / INTERVALS as f64)).collect()
+                    let place = colors.color_places();
+                    (0..=INTERVALS).map(|i| at(place(i as f64 / INTERVALS as f64))).collect()
                 }
             };
         } else {

@@ -28,7 +28,13 @@ fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
             _ => (AttributeDomain::Vertex, mesh.positions.len()),
         };
         let values = (0..count).map(|_| value()).collect();
-        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: format!("v:{k}"),
+            domain,
+            values,
+            offset: 0.0,
+            component: None,
+        });
     }
     mesh
 }

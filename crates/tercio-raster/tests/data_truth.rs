@@ -61,6 +61,7 @@ fn model(triangles: u32, value: impl Fn(DVec3) -> f64) -> Model {
         domain: AttributeDomain::Vertex,
         values: of_vertices,
         offset: 0.0,
+        component: None,
     });
     Model { mesh, caster: RayCaster::new(corners), values }
 }

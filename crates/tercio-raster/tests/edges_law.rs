@@ -62,6 +62,7 @@ fn the_fastest_kernels() {
         domain: AttributeDomain::Vertex,
         values,
         offset: 0.0,
+        component: None,
     });
     let values = (0..mesh.triangles.len()).map(|t| (t % 7) as f32).collect();
     mesh.attributes.push(Attribute {
@@ -69,6 +70,7 @@ fn the_fastest_kernels() {
         domain: AttributeDomain::Triangle,
         values,
         offset: 0.0,
+        component: None,
     });
     let showing = |source: DataSource| {
         let colors = DataColors::new("x", ColorMap::named("turbo").expect("known"), [-2.0, 2.5]);

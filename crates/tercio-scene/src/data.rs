@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use tercio_mesh::cluster::{ClusterView, Layout};
-use tercio_mesh::{AttributeDomain, ClusteredMesh};
+use tercio_mesh::{AttributeDomain, ClusteredMesh, OctNormal};
 
 use crate::{DataColors, Instance};
 
@@ -42,6 +42,25 @@ pub enum DataSource {
     Normal(DVec3),
     /// The number of the input face that a triangle came from, counted from the first of the model.
     Face,
+    /// The coordinate of the vertices along an axis (0 for x) as the file has it: the instance's place does not count.
+    Coordinate(usize),
+    /// A texture coordinate of the vertices: 0 for u, 1 for v. The mesh has them.
+    Texcoord(usize),
+    /// A component of the mesh's own colours, 0 to 255: 0 for red to 3 for alpha, of its vertices or of its triangles. The mesh has them.
+    Color(usize, AttributeDomain),
+}
+
+/// What a mesh holds of a vertex besides its attributes. A [`DataReader`] needs the position, and what its source names.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Vertex {
+    /// In mesh coordinates.
+    pub position: [f32; 3],
+    /// The unit normal.
+    pub normal: Option<[f32; 3]>,
+    /// Texture coordinates.
+    pub texcoord: Option<[f32; 2]>,
+    /// sRGB colour and linear alpha.
+    pub color: Option<[u8; 4]>,
 }
 
 impl SurfaceData {
@@ -76,6 +95,10 @@ impl DataSource {
             }
             Self::Normal(_) => layout.normals,
             Self::Along(_) | Self::Face => true,
+            Self::Coordinate(axis) => *axis < 3,
+            Self::Texcoord(k) => layout.texcoords && *k < 2,
+            Self::Color(k, AttributeDomain::Vertex) => layout.vertex_colors && *k < 4,
+            Self::Color(k, AttributeDomain::Triangle) => layout.face_colors && *k < 4,
         }
     }
 
@@ -84,7 +107,7 @@ impl DataSource {
         match self {
             Self::Attribute(number) => layout.offset(*number),
             Self::Magnitude(numbers) => length(numbers.iter().map(|&n| layout.offset(n))),
-            Self::Along(_) | Self::Normal(_) | Self::Face => 0.0,
+            _ => 0.0,
         }
     }
 
@@ -96,8 +119,11 @@ impl DataSource {
         match self {
             Self::Attribute(number) => layout.attributes[*number].1,
             Self::Magnitude(numbers) => layout.attributes[numbers[0]].1,
-            Self::Along(_) | Self::Normal(_) => AttributeDomain::Vertex,
+            Self::Along(_) | Self::Normal(_) | Self::Coordinate(_) | Self::Texcoord(_) => {
+                AttributeDomain::Vertex
+            }
             Self::Face => AttributeDomain::Triangle,
+            Self::Color(_, domain) => *domain,
         }
     }
 }
@@ -111,7 +137,7 @@ fn length(components: impl Iterator<Item = f64>) -> f64 {
 #[derive(Clone, Debug)]
 pub struct DataReader {
     source: DataSource,
-    /// Of the coordinate along a direction: its value at the mesh's origin, and its change along the axes of the mesh's positions.
+    /// Of the coordinate along a direction or an axis: its value at the mesh's origin, and its change along the axes of the mesh's positions.
     base: f64,
     slope: DVec3,
     /// Brings normals to world space.
@@ -139,9 +165,16 @@ impl DataReader {
         };
         let to_world = instance.world_from_object;
         let (mut base, mut slope) = (0.0, DVec3::ZERO);
-        if let DataSource::Along(direction) = source {
-            base = direction.dot(to_world.transform_point3(instance.mesh.origin)) - offset;
-            slope = to_world.matrix3.transpose() * *direction * instance.mesh.unit();
+        match source {
+            DataSource::Along(direction) => {
+                base = direction.dot(to_world.transform_point3(instance.mesh.origin)) - offset;
+                slope = to_world.matrix3.transpose() * *direction * instance.mesh.unit();
+            }
+            DataSource::Coordinate(axis) => {
+                base = instance.mesh.origin[*axis] - offset;
+                slope[*axis] = instance.mesh.unit();
+            }
+            _ => {}
         }
         let m = to_world.matrix3;
         let normals = if m == DMat3::IDENTITY { m } else { m.inverse().transpose() };
@@ -149,33 +182,39 @@ impl DataReader {
         Self { source: source.clone(), base, slope, normals, first_face, offset, own }
     }
 
-    /// The value of a vertex with this position in mesh coordinates, this normal if the mesh has normals, and these attributes.
-    pub fn of_vertex(
-        &self,
-        position: [f32; 3],
-        normal: Option<[f32; 3]>,
-        attribute: impl Fn(usize) -> f32,
-    ) -> f32 {
+    /// The value of a vertex of which a mesh holds this, and these attributes.
+    pub fn of_vertex(&self, vertex: &Vertex, attribute: impl Fn(usize) -> f32) -> f32 {
         match &self.source {
-            DataSource::Along(_) => {
-                let [x, y, z] = position.map(f64::from);
+            DataSource::Along(_) | DataSource::Coordinate(_) => {
+                let [x, y, z] = vertex.position.map(f64::from);
                 (self.base + ((x * self.slope.x + y * self.slope.y) + z * self.slope.z)) as f32
             }
             DataSource::Normal(axis) => {
-                let Some(n) = normal else { return f32::NAN };
+                let Some(n) = vertex.normal else { return f32::NAN };
                 let n = self.normals * DVec3::from(n.map(f64::from));
                 (axis.dot(n) / n.length() - self.offset) as f32
             }
+            DataSource::Texcoord(k) => vertex.texcoord.map_or(f32::NAN, |uv| self.less_offset(uv[*k])),
+            DataSource::Color(k, _) => self.of_color(*k, vertex.color),
             _ => self.of_attributes(attribute),
         }
     }
 
-    /// The value of a triangle of this input face of the mesh, and with these attributes.
-    pub fn of_triangle(&self, face: u32, attribute: impl Fn(usize) -> f32) -> f32 {
+    /// The value of a triangle of this input face of the mesh, with this colour of its own and these attributes.
+    pub fn of_triangle(&self, face: u32, color: Option<[u8; 4]>, attribute: impl Fn(usize) -> f32) -> f32 {
         match &self.source {
             DataSource::Face => self.of_face(face),
+            DataSource::Color(k, _) => self.of_color(*k, color),
             _ => self.of_attributes(attribute),
         }
+    }
+
+    fn less_offset(&self, value: f32) -> f32 {
+        if self.offset == 0.0 { value } else { (f64::from(value) - self.offset) as f32 }
+    }
+
+    fn of_color(&self, component: usize, color: Option<[u8; 4]>) -> f32 {
+        color.map_or(f32::NAN, |color| self.less_offset(color[component].into()))
     }
 
     #[inline]
@@ -210,19 +249,16 @@ impl DataReader {
             to[..count].copy_from_slice(&cluster.attribute(*number)[..count]);
             return;
         }
-        // Only one of the sources is of normals.
-        let normals = cluster.normals().filter(|_| matches!(self.source, DataSource::Normal(_)));
-        let [x, y, z] = cluster.positions();
+        let columns = Columns::new(&self.source, cluster);
         for (v, to) in to[..count].iter_mut().enumerate() {
-            let normal = normals.map(|n| n[v].decode());
-            *to = self.of_vertex([x[v], y[v], z[v]], normal, |number| cluster.attribute(number)[v]);
+            *to = self.of_vertex(&columns.vertex(v), |number| cluster.attribute(number)[v]);
         }
     }
 
     /// The value of one vertex of a cluster. Precondition: values are at vertices.
     pub fn vertex(&self, cluster: &ClusterView, v: usize) -> f32 {
-        let normal = cluster.normals().map(|n| n[v].decode());
-        self.of_vertex(cluster.position(v), normal, |number| cluster.attribute(number)[v])
+        let vertex = Columns::new(&self.source, cluster).vertex(v);
+        self.of_vertex(&vertex, |number| cluster.attribute(number)[v])
     }
 
     /// The value of a triangle, given by its number in a cluster, which has this number in the mesh. Precondition: values are at
@@ -235,7 +271,8 @@ impl DataReader {
         triangle: usize,
     ) -> f32 {
         let face = if self.source == DataSource::Face { mesh.face(number, triangle) } else { 0 };
-        self.of_triangle(face, |number| cluster.attribute(number)[triangle])
+        let colors = cluster.face_colors().filter(|_| matches!(self.source, DataSource::Color(..)));
+        self.of_triangle(face, colors.map(|c| c[triangle]), |number| cluster.attribute(number)[triangle])
     }
 
     /// The values of the triangles of a cluster, which has this number in the mesh, not padded. Precondition: they are at triangles.
@@ -268,6 +305,36 @@ impl DataReader {
             AttributeDomain::Triangle => {
                 (0..view.triangles()).for_each(|t| see(self.triangle(mesh, cluster, &view, t)));
             }
+        }
+    }
+}
+
+/// What a source needs of the vertices of a cluster besides attributes.
+struct Columns<'a> {
+    positions: [&'a [f32]; 3],
+    normals: Option<&'a [OctNormal]>,
+    texcoords: Option<[&'a [f32]; 2]>,
+    colors: Option<&'a [[u8; 4]]>,
+}
+
+impl<'a> Columns<'a> {
+    #[inline(always)]
+    fn new(source: &DataSource, cluster: &ClusterView<'a>) -> Self {
+        Self {
+            positions: cluster.positions(),
+            normals: cluster.normals().filter(|_| matches!(source, DataSource::Normal(_))),
+            texcoords: cluster.texcoords().filter(|_| matches!(source, DataSource::Texcoord(_))),
+            colors: cluster.vertex_colors().filter(|_| matches!(source, DataSource::Color(..))),
+        }
+    }
+
+    #[inline(always)]
+    fn vertex(&self, v: usize) -> Vertex {
+        Vertex {
+            position: self.positions.map(|axis| axis[v]),
+            normal: self.normals.map(|n| n[v].decode()),
+            texcoord: self.texcoords.map(|uv| uv.map(|k| k[v])),
+            color: self.colors.map(|c| c[v]),
         }
     }
 }

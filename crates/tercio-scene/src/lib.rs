@@ -37,7 +37,7 @@ pub mod texture;
 
 pub use camera::{Camera, Projection};
 pub use color_map::{ColorMap, DataColors};
-pub use data::{DataReader, DataSource, SurfaceData};
+pub use data::{DataReader, DataSource, SurfaceData, Vertex};
 pub use edges::SurfaceEdges;
 pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};

@@ -218,6 +218,7 @@ mod tests {
             domain: tercio_mesh::AttributeDomain::Vertex,
             values: vec![0.0, 8.0, 8.0, 1.0],
             offset: 0.0,
+            component: None,
         };
         let strokes = Strokes {
             origin: glam::DVec3::X,

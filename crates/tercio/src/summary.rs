@@ -113,6 +113,9 @@ mod bits {
 pub struct AttributeSummary {
     /// The name in the file.
     pub name: String,
+    /// The [name of the component](Attribute::component), if the file has one.
+    #[serde(default)]
+    pub component: Option<String>,
     /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
     /// Smallest and largest value that is not NaN, less `offset`; `None` if there is none.
@@ -140,6 +143,7 @@ impl AttributeSummary {
             .reduce(|| empty, |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2));
         Self {
             name: attribute.name.clone(),
+            component: attribute.component.clone(),
             domain: attribute.domain,
             range: (nans < attribute.values.len() as u64).then_some((min, max)),
             nans,
@@ -186,6 +190,7 @@ mod tests {
                 domain: AttributeDomain::Vertex,
                 values,
                 offset: 0.0,
+                component: None,
             });
             (a.range, a.nans)
         };

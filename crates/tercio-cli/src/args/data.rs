@@ -27,8 +27,9 @@ use crate::output::UsageError;
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
     /// Colours the model, its lines and points by an attribute (tercio info lists them; of a vector, its magnitude),
-    /// NAME:COMPONENT, NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
-    /// @component, @face.
+    /// NAME:COMPONENT (a number, x, y, z, or what the file calls it), NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// @component, @face; or by what every format has: @x, @y, @z (coordinates of the file), @color, @color:red (green, blue, alpha; 0 to 255),
+    /// @texcoord:u (v), or the names that files have for them, such as x, nx, red, u.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
@@ -62,13 +63,13 @@ pub struct DataArgs {
     /// Width of the lines of --isolines and --mode contours in pixels, 0 to 1000 [default: 1.5].
     #[arg(long, value_name = "PIXELS", value_parser = width, requires = "color_by")]
     isoline_width: Option<f64>,
-    /// Colour of what is not a number [default: #a0a0a0].
+    /// Colour of what is not a number [default: that of the file of --colormap, or #a0a0a0].
     #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
     nan_color: Option<[u8; 4]>,
-    /// Colour of values below the range [default: that of its lower end].
+    /// Colour of values below the range [default: that of the file of --colormap, or of the lower end].
     #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
     below_color: Option<[u8; 4]>,
-    /// Colour of values above the range [default: that of its upper end].
+    /// Colour of values above the range [default: that of the file of --colormap, or of the upper end].
     #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
     above_color: Option<[u8; 4]>,
     /// Opacities, 0 to 1, spread evenly over the range and linear between them, such as 0,1.
@@ -335,15 +336,18 @@ impl DataArgs {
             color: self.isoline_color.unwrap_or([0, 0, 0, 255]),
             width: self.isoline_width.unwrap_or(1.5) as f32,
         });
+        let map = self.map()?;
+        // Those that the file of a map has.
+        let special = map.as_ref().map(ColorMap::special).unwrap_or_default();
         Ok(Some(DataOptions {
-            map: self.map()?,
+            map,
             range: self.range.unwrap_or_default(),
             scale,
             bands: self.bands,
             isolines,
-            nan: self.nan_color.unwrap_or(DataColors::NAN),
-            below: self.below_color,
-            above: self.above_color,
+            nan: self.nan_color.or(special.nan).unwrap_or(DataColors::NAN),
+            below: self.below_color.or(special.below),
+            above: self.above_color.or(special.above),
             opacities: self.opacity_map.as_ref().map_or_else(Vec::new, |map| map.0.clone()),
             categories: self.categories.as_ref().map(|labels| labels.0.clone()),
             up,

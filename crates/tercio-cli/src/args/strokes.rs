@@ -29,7 +29,7 @@ pub enum ModeName {
     /// Feature edges, and no surface.
     Edges,
     /// The data of --color-by without light: bands of one colour (10, or as many as --bands or --isolines say) with lines between
-    /// them.
+    /// them. Between values that --isolines lists the colour is that of the middle of their interval.
     Contours,
 }
 

@@ -114,6 +114,7 @@ fn attributes_json(attributes: &[AttributeSummary]) -> Value {
         };
         json!({
             "name": a.name,
+            "component": a.component,
             "of": domain(a.domain),
             "min": a.range.map(|r| full(r.0)),
             "max": a.range.map(|r| full(r.1)),
@@ -178,7 +179,8 @@ fn attribute(a: &AttributeSummary, of: &str) -> Row {
     let print = |value| tercio::data::printed(value, a.offset);
     let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{} to {}", print(min), print(max)));
     let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
-    ("attribute", format!("{} ({of}): {range}{nans}", a.name))
+    let component = a.component.iter().map(|name| format!(" \"{name}\"")).collect::<String>();
+    ("attribute", format!("{}{component} ({of}): {range}{nans}", a.name))
 }
 
 /// Rows of bounds, with their names.

@@ -326,6 +326,7 @@ mod tests {
             domain: AttributeDomain::Triangle,
             values: (0..8u8).map(f32::from).collect(),
             offset: 0.0,
+            component: None,
         });
         let found = clean(&mut m);
         let expected = Cleaned {

@@ -178,7 +178,8 @@ fn triangles_that_are_not_cut_keep_their_bits_and_faces() {
 
 #[test]
 fn cut_edges_get_what_is_between_their_ends() {
-    let attribute = |domain, values| Attribute { name: "a".into(), domain, values, offset: 0.0 };
+    let attribute =
+        |domain, values| Attribute { name: "a".into(), domain, values, offset: 0.0, component: None };
     let mut mesh = Mesh {
         positions: vec![[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],

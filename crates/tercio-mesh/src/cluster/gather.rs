@@ -30,6 +30,7 @@ pub(super) fn layout(mesh: &Mesh) -> Layout {
         triangle_materials: mesh.triangle_materials.is_some(),
         attributes: mesh.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect(),
         offsets: Layout::offsets_of(&mesh.attributes),
+        components: Layout::components_of(&mesh.attributes),
     }
 }
 

@@ -39,6 +39,9 @@ pub struct Layout {
     /// The [offset](crate::Attribute::offset) of each of them; none if all are 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub offsets: Vec<f64>,
+    /// The [name](crate::Attribute::component) of each as a component of an array; none if no attribute has one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub components: Vec<Option<String>>,
 }
 
 /// The smallest multiple of [`LANES`] that is at least `count`.
@@ -64,6 +67,17 @@ impl Layout {
     pub fn offsets_of(attributes: &[crate::Attribute]) -> Vec<f64> {
         let has_any = attributes.iter().any(|a| a.offset != 0.0);
         attributes.iter().filter(|_| has_any).map(|a| a.offset).collect()
+    }
+
+    /// What a file calls an attribute as a component of an array.
+    pub fn component(&self, attribute: usize) -> Option<&str> {
+        self.components.get(attribute)?.as_deref()
+    }
+
+    /// [`Layout::components`] of some attributes.
+    pub fn components_of(attributes: &[crate::Attribute]) -> Vec<Option<String>> {
+        let has_any = attributes.iter().any(|a| a.component.is_some());
+        attributes.iter().filter(|_| has_any).map(|a| a.component.clone()).collect()
     }
 
     /// Lines that a cluster takes.

@@ -29,6 +29,7 @@ fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
         domain,
         values: (0..12).map(|t| (t / 2) as f32).collect(),
         offset: 0.0,
+        component: None,
     });
     assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 12);
     let clusters = partition(mesh.clone(), &PartitionOptions::default());

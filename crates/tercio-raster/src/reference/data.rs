@@ -1,6 +1,7 @@
 //! The reference formulas for the colours of data at a point.
 
 use tercio_mesh::Mesh;
+use tercio_scene::Vertex;
 
 use super::shading::{Vec3, dot, each, shading_distance};
 use crate::conventions::SUBPIXELS;
@@ -12,12 +13,18 @@ fn at_corners(data: &DataTable, mesh: &Mesh, triangle: usize, component: usize) 
     let reader = data.reader(component);
     if data.is_at_triangles() {
         let face = mesh.face_of_triangle.as_ref().map_or(triangle as u32, |faces| faces[triangle]);
-        return [reader.of_triangle(face, |number| mesh.attributes[number].values[triangle]); 3];
+        let color = mesh.face_colors.as_ref().map(|colors| colors[triangle]);
+        return [reader.of_triangle(face, color, |number| mesh.attributes[number].values[triangle]); 3];
     }
     Mesh::canonical(mesh.triangles[triangle]).map(|v| {
         let v = v as usize;
-        let normal = mesh.normals.as_ref().map(|normals| normals[v].decode());
-        reader.of_vertex(mesh.positions[v], normal, |number| mesh.attributes[number].values[v])
+        let vertex = Vertex {
+            position: mesh.positions[v],
+            normal: mesh.normals.as_ref().map(|normals| normals[v].decode()),
+            texcoord: mesh.texcoords.as_ref().map(|texcoords| texcoords[v]),
+            color: mesh.vertex_colors.as_ref().map(|colors| colors[v]),
+        };
+        reader.of_vertex(&vertex, |number| mesh.attributes[number].values[v])
     })
 }
 

@@ -15,6 +15,10 @@ pub struct DataColors {
     pub range: [f64; 2],
     /// Number of bands of one colour each, evenly spaced on the scale; `None` for a smooth transition.
     pub bands: Option<u32>,
+    /// Values between which there is one colour each, that of the middle of the interval on the scale; the first and the last interval
+    /// end where the range does. Of a categorical map they have the colours one by one. None for a smooth transition; without effect
+    /// beside `bands`. A renderer may be off by 1/8192 of the range.
+    pub levels: Vec<f64>,
     /// Lines of equal value.
     pub isolines: Option<Isolines>,
     /// The colour of what is not a number.
@@ -67,6 +71,7 @@ impl DataColors {
             scale: Scale::default(),
             range,
             bands: None,
+            levels: Vec::new(),
             isolines: None,
             nan: Self::NAN,
             below: None,
@@ -107,14 +112,42 @@ impl DataColors {
 
     /// Number of areas of one colour each in the range: bands, or the colours of a categorical map; `None` for a smooth transition.
     pub fn steps(&self) -> Option<u32> {
-        self.bands.or_else(|| self.map.is_categorical().then(|| self.map.len() as u32))
+        let is_categorical = self.map.is_categorical() && self.levels.is_empty();
+        self.bands.or_else(|| is_categorical.then(|| self.map.len() as u32))
     }
 
     /// The values between which a band has one colour, from the lower end of the range to the upper one; empty for a smooth
     /// transition.
     pub fn boundaries(&self) -> Vec<f64> {
-        self.steps()
-            .map_or_else(Vec::new, |n| (0..=n).map(|i| self.value_at(f64::from(i) / f64::from(n))).collect())
+        match self.steps() {
+            Some(n) => (0..=n).map(|i| self.value_at(f64::from(i) / f64::from(n))).collect(),
+            None if self.levels.is_empty() => Vec::new(),
+            None => {
+                let [low, high] = self.range;
+                let within = self.levels.iter().copied().filter(|level| low < *level && *level < high);
+                let mut all: Vec<f64> = [low, high].into_iter().chain(within).collect();
+                all.sort_by(f64::total_cmp);
+                all.dedup();
+                all
+            }
+        }
+    }
+
+    /// The place in the map whose colour is that of a place in the range, both 0 to 1, if there are no [steps](Self::steps).
+    pub fn color_places(&self) -> impl Fn(f64) -> f64 {
+        let borders: Vec<f64> = match self.steps() {
+            Some(_) => Vec::new(),
+            None => self.boundaries().into_iter().map(|value| self.position(value)).collect(),
+        };
+        let (count, is_categorical) = (self.map.len(), self.map.is_categorical());
+        move |place: f64| {
+            let Some(last) = borders.len().checked_sub(2) else { return place };
+            let interval = borders.partition_point(|border| *border <= place).saturating_sub(1).min(last);
+            match is_categorical {
+                true => ((interval % count) as f64 + 0.5) / count as f64,
+                false => (borders[interval] + borders[interval + 1]) / 2.0,
+            }
+        }
     }
 
     /// The colour of a place in the map, 0 to 1, with bands and opacities: what a scalar bar shows there.
@@ -122,7 +155,7 @@ impl DataColors {
         let t = if position > 0.0 { position.min(1.0) } else { 0.0 };
         let t = match self.steps() {
             Some(n) => self.band_color_place((t * f64::from(n)).min(f64::from(n) - 1.0).floor(), n),
-            None => t,
+            None => self.color_places()(t),
         };
         let [r, g, b] = rounded(self.map.at(t));
         [r, g, b, (self.opacity_at(t) * 255.0 + 0.5) as u8]

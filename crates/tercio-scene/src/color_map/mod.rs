@@ -27,6 +27,18 @@ pub struct ColorMap {
     /// Positions, which ascend from 0 to 1, and sRGB colours, 0 to 1. At least one.
     points: Vec<(f64, [f64; 3])>,
     is_categorical: bool,
+    special: Special,
+}
+
+/// Colours of what is not in the range, sRGB with linear alpha, if a map has its own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Special {
+    /// Of what is not a number.
+    pub nan: Option<[u8; 4]>,
+    /// Of values below the range.
+    pub below: Option<[u8; 4]>,
+    /// Of values above it.
+    pub above: Option<[u8; 4]>,
 }
 
 impl ColorMap {
@@ -51,7 +63,7 @@ impl ColorMap {
         }
         let place = |at: f64| if points.len() == 1 { 0.0 } else { (at - first.0) / length };
         let points = points.iter().map(|&(at, color)| (place(at), color)).collect();
-        Ok(Self { name: name.to_owned(), points, is_categorical: false })
+        Ok(Self { name: name.to_owned(), points, is_categorical: false, special: Special::default() })
     }
 
     /// A map with evenly spaced 8-bit sRGB colours. If it is categorical, each of them has an equal share of 0 to 1; otherwise
@@ -75,6 +87,11 @@ impl ColorMap {
         self.is_categorical
     }
 
+    /// Its colours of what is not in the range: those that a file of ParaView has.
+    pub fn special(&self) -> Special {
+        self.special
+    }
+
     /// The number of colours between which it interpolates, or of categories.
     pub fn len(&self) -> usize {
         self.points.len()
@@ -89,6 +106,7 @@ impl ColorMap {
     pub fn reversed(mut self) -> Self {
         self.points.reverse();
         self.points.iter_mut().for_each(|(at, _)| *at = 1.0 - *at);
+        (self.special.below, self.special.above) = (self.special.above, self.special.below);
         match self.name.strip_suffix("_r") {
             Some(name) => self.name = name.to_owned(),
             None => self.name.push_str("_r"),

@@ -1,6 +1,6 @@
 //! Colour maps from files.
 
-use super::ColorMap;
+use super::{ColorMap, Special, rounded};
 
 /// What is wrong with a colour map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,7 +49,8 @@ struct Line {
 impl ColorMap {
     /// Reads a colour map: a list of colours, one a line, `#rrggbb`, or three numbers of 0 to 1, or of 0 to 255 if any of the list
     /// is above 1, with spaces, tabs, commas or semicolons between; four numbers are a position and a colour. Lines that begin with
-    /// `#` and are no colour, `//` or a letter in the first line (a header) are skipped. Or ParaView's JSON (`RGBPoints`).
+    /// `#` and are no colour, `//` or a letter in the first line (a header) are skipped. Or ParaView's JSON (`RGBPoints`,
+    /// `NanColor`, and the colours beyond the range that it uses).
     ///
     /// # Errors
     /// If the text is anything else.
@@ -123,5 +124,32 @@ fn json(name: &str, text: &str) -> Result<ColorMap, ColorMapError> {
         return Err(ColorMapError::TooMany);
     }
     let points: Vec<_> = points.iter().map(|&[at, r, g, b]| (at, [r, g, b])).collect();
-    ColorMap::from_points(name, &points)
+    Ok(ColorMap { special: special(map)?, ..ColorMap::from_points(name, &points)? })
+}
+
+/// The colours of what is not in the range. Those beyond it count only if the map says that they are used.
+fn special(map: &serde_json::Value) -> Result<Special, ColorMapError> {
+    let color = |key: &str, opacity: &str| -> Result<Option<[u8; 4]>, ColorMapError> {
+        let Some(value) = map.get(key) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> =
+            value.as_array().and_then(|all| all.iter().map(serde_json::Value::as_f64).collect());
+        let color: [f64; 3] = numbers
+            .and_then(|numbers| numbers.try_into().ok())
+            .ok_or_else(|| ColorMapError::Json(format!("{key} is not three numbers")))?;
+        if !color.iter().all(|c| (0.0..=1.0).contains(c)) {
+            return Err(ColorMapError::Component(color));
+        }
+        let [r, g, b] = rounded(color);
+        let opacity = map.get(opacity).and_then(serde_json::Value::as_f64).unwrap_or(1.0);
+        Ok(Some([r, g, b, (opacity.clamp(0.0, 1.0) * 255.0 + 0.5) as u8]))
+    };
+    // ParaView writes 0 and 1.
+    let is_used = |key: &str| map.get(key).is_some_and(|v| v.as_bool().unwrap_or(v.as_f64() > Some(0.0)));
+    let beyond =
+        |used: &str, key: &str, opacity: &str| if is_used(used) { color(key, opacity) } else { Ok(None) };
+    Ok(Special {
+        nan: color("NanColor", "NanOpacity")?,
+        below: beyond("UseBelowRangeColor", "BelowRangeColor", "BelowRangeOpacity")?,
+        above: beyond("UseAboveRangeColor", "AboveRangeColor", "AboveRangeOpacity")?,
+    })
 }

@@ -92,6 +92,40 @@ fn lists_of_colors_are_read() {
 }
 
 #[test]
+fn maps_of_paraview_have_colors_of_what_is_not_in_the_range() {
+    let parse = |more: &str| {
+        let text = format!("[{{\"RGBPoints\":[0,0,0,0,1,1,1,1]{more}}}]");
+        ColorMap::parse("mine", text.as_bytes())
+    };
+    assert_eq!(parse("").map(|map| map.special()), Ok(Special::default()));
+    let all = ",\"NanColor\":[1,1,0],\"NanOpacity\":0.5,\"UseBelowRangeColor\":1,\"BelowRangeColor\":[1,0,0],\
+        \"UseAboveRangeColor\":0,\"AboveRangeColor\":[0,0,1]";
+    let map = parse(all).expect("a map");
+    let special = Special { nan: Some([255, 255, 0, 128]), below: Some([255, 0, 0, 255]), above: None };
+    assert_eq!(map.special(), special);
+    assert_eq!(map.reversed().special(), Special { below: None, above: special.below, ..special });
+    for wrong in [",\"NanColor\":[1,1]", ",\"NanColor\":\"red\"", ",\"NanColor\":[1,1,2]"] {
+        assert!(parse(wrong).is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn levels_have_the_color_of_their_middle() {
+    let map = ColorMap::named("gray").expect("a known map");
+    let mut colors = DataColors::new("x", map, [0.0, 1.0]);
+    // Not in order, twice, and beyond the range.
+    colors.levels = vec![0.5, 0.2, 0.5, 7.0, -1.0];
+    assert_eq!(colors.boundaries(), [0.0, 0.2, 0.5, 1.0]);
+    let gray = |value: f64| colors.color(value)[0];
+    assert_eq!([0.0, 0.19, 0.21, 0.49, 0.51, 1.0].map(gray), [26, 26, 89, 89, 191, 191]);
+    let categorical = ColorMap::from_colors("c", &[[1, 0, 0], [2, 0, 0]], true).expect("a map");
+    let colors = DataColors { map: categorical, ..colors };
+    assert_eq!([0.1, 0.3, 0.9].map(|value| colors.color(value)[0]), [1, 2, 1]);
+    let banded = DataColors { bands: Some(1), ..colors };
+    assert_eq!(banded.boundaries(), [0.0, 1.0]);
+}
+
+#[test]
 fn what_is_not_a_color_map_is_refused() {
     for (text, expected) in [
         ("", "no colour"),

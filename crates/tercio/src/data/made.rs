@@ -45,7 +45,13 @@ impl Made {
             Self::Curvature => (AttributeDomain::Vertex, curvature(mesh)),
             Self::Component => (AttributeDomain::Triangle, components(mesh)),
         };
-        mesh.attributes.push(Attribute { name: self.name().into(), domain, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: self.name().into(),
+            domain,
+            values,
+            offset: 0.0,
+            component: None,
+        });
     }
 }
 

@@ -3,6 +3,7 @@
 mod edges;
 mod made;
 mod name;
+mod own;
 mod range;
 mod strokes;
 
@@ -37,7 +38,10 @@ pub use strokes::{ModelData, StrokeData};
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataOptions {
     /// The name of an attribute (of the components of a vector: its magnitude), `NAME:COMPONENT`, `NAME:magnitude`, or `NAME:rgb`
-    /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`; with [`LoadOptions::make`](crate::LoadOptions::make)
+    /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`; or what a mesh holds in a
+    /// form of its own: `@x`, `@y`, `@z` (the coordinates of the file, whatever the place of the instance), `@color` (colours), `@color:red`,
+    /// `green`, `blue`, `alpha` (0 to 255), `@texcoord:u`, `@texcoord:v`, which names of files such as `x`, `nx`, `red` and `u` mean, too,
+    /// where no attribute has that name; with [`LoadOptions::make`](crate::LoadOptions::make)
     /// `@curvature` and `@component`, whose colours are those of categories. `NAME@point` and `NAME@cell` are attributes of vertices and
     /// of triangles alone; where both have the name, it means that of the vertices.
     pub by: String,
@@ -107,6 +111,14 @@ pub enum DataError {
         name: String,
         /// That of the component.
         component: String,
+        /// What there is.
+        available: Vec<String>,
+    },
+    /// A name of several values, none of which is more than the others.
+    #[error("\"{name}\" is several values: name one of {}", list(available))]
+    WhichComponent {
+        /// The name.
+        name: String,
         /// What there is.
         available: Vec<String>,
     },
@@ -217,14 +229,17 @@ impl DataOptions {
         of_all: impl FnOnce(Statistics) -> Result<Statistics, E>,
     ) -> Result<ModelData, E> {
         let layout = instance.mesh.layout();
-        let on_strokes = strokes::find(&self.by, strokes, self.up);
         // A surface without triangles counts only where there is nothing else.
         let is_cloud = !strokes.is_empty() && instance.mesh.clusters().is_empty();
+        let on_strokes = strokes::find(&self.by, strokes, is_cloud, self.up);
         let on_surface = match name::find(&self.by, layout, self.up) {
-            Ok(found) if !is_cloud || on_strokes.is_none() => Some(found),
-            Ok(_) => None,
-            Err(_) if on_strokes.is_some() => None,
-            Err(error) => return Err(strokes::list_those_of(error, strokes, is_cloud).into()),
+            Ok(found) if !is_cloud => Some(found),
+            _ if on_strokes.is_some() => None,
+            Err(error) if !is_cloud => return Err(strokes::list_those_of(error, strokes, false).into()),
+            _ => {
+                let error = DataError::Unknown { name: self.by.clone(), available: Vec::new() };
+                return Err(strokes::list_those_of(error, strokes, true).into());
+            }
         };
         let reader =
             |source: &DataSource, offset| (DataReader::new(source, instance, offset), &*instance.mesh);
@@ -238,8 +253,11 @@ impl DataOptions {
         let offset = match (&source, &on_strokes) {
             // Of two vectors that differ by little the lengths may not come back from full numbers exactly.
             (Some(DataSource::Magnitude(_)), _) if self.categories.is_some() => 0.0,
-            (Some(source), _) => source.offset(layout),
-            (None, Some(name::Found::Values(source))) => source.offset(&strokes::layout(strokes)),
+            (Some(source), _) => {
+                own::offset(source, instance.mesh.origin).unwrap_or_else(|| source.offset(layout))
+            }
+            (None, Some(name::Found::Values(source))) => own::offset(source, strokes.origin)
+                .unwrap_or_else(|| source.offset(&strokes::layout(strokes))),
             (None, _) => 0.0,
         };
         // Categories are compared with those of other steps: what is not whole is rounded alike in all of them.
@@ -293,10 +311,11 @@ impl DataOptions {
         on_strokes: Option<name::Found>,
     ) -> ModelData {
         let colors = |found: Option<name::Found>| match found {
-            Some(name::Found::Colors { components, is_signed }) => Some((components, is_signed)),
+            Some(name::Found::Colors { components, kind }) => Some((components, kind)),
             _ => None,
         };
         let (on_surface, on_strokes) = (colors(on_surface), colors(on_strokes));
+        let kind_of_strokes = on_strokes.as_ref().map(|(_, kind)| *kind);
         let of_strokes: Option<Vec<Vec<f32>>> = on_strokes.map(|(components, _)| {
             let values = |source| strokes::values(source, strokes, &instance.world_from_object, 0.0);
             components.iter().map(values).collect()
@@ -307,9 +326,12 @@ impl DataOptions {
             offset: 0.0,
         });
         let others = of_strokes.iter().flatten().map(|others| Values { surface: None, others, offset: 0.0 });
-        let is_signed = on_surface.as_ref().is_some_and(|(_, is_signed)| *is_signed);
-        let (scale, offset) =
-            if is_signed { (0.5, 0.5) } else { (range::color_scale(of_surface.chain(others)), 0.0) };
+        let kind = on_surface.as_ref().map(|(_, kind)| *kind).or(kind_of_strokes);
+        let (scale, offset) = match kind {
+            Some(name::ColorKind::Signed) => (0.5, 0.5),
+            Some(name::ColorKind::Bytes) => (1.0 / 255.0, 0.0),
+            Some(name::ColorKind::OfData) | None => (range::color_scale(of_surface.chain(others)), 0.0),
+        };
         let surface =
             on_surface.map(|(components, _)| Arc::new(SurfaceData::Direct { components, scale, offset }));
         let strokes = of_strokes.map(|components| strokes::direct(&components, scale, offset));

@@ -5,15 +5,26 @@ use tercio_mesh::cluster::Layout;
 use tercio_mesh::{Attribute, AttributeDomain};
 use tercio_scene::DataSource;
 
-use super::DataError;
+use super::{DataError, own};
 
 /// What a name means.
 #[derive(Debug, PartialEq)]
 pub enum Found {
     /// Values.
     Values(DataSource),
-    /// Colours; signed ones are from -1 to 1.
-    Colors { components: Vec<DataSource>, is_signed: bool },
+    /// Colours.
+    Colors { components: Vec<DataSource>, kind: ColorKind },
+}
+
+/// What the components of colours are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorKind {
+    /// 0 to 1, or 0 to 255 if any is above 1.
+    OfData,
+    /// 0 to 255.
+    Bytes,
+    /// From -1 to 1.
+    Signed,
 }
 
 /// Names of the components of a vector.
@@ -28,6 +39,8 @@ pub fn needs_normals(name: &str) -> bool {
 pub fn available(layout: &Layout) -> Vec<String> {
     let domain = |d: AttributeDomain| if d == AttributeDomain::Vertex { "vertices" } else { "triangles" };
     let mut all: Vec<String> = Vec::new();
+    let made = ["@elevation"].into_iter().chain(own::available(layout));
+    let made = made.chain(["@normal", "@face", "@curvature", "@component"]);
     for (name, d) in layout.attributes.iter().filter(|(name, d)| !Attribute::is_polygon(name, *d)) {
         // Of the components of a vector, the vector is named once.
         let array = name.strip_suffix(":0").filter(|array| vector(array, layout).len() > 1);
@@ -36,16 +49,17 @@ pub fn available(layout: &Layout) -> Vec<String> {
         });
         match array {
             Some(array) => {
-                let count = vector(array, layout).len();
-                all.push(format!("{array} ({}, {count} components)", domain(*d)));
+                let components = vector(array, layout);
+                let own: Vec<&str> = components.iter().filter_map(|&n| layout.component(n)).collect();
+                let own = if own.is_empty() { String::new() } else { format!(": {}", own.join(", ")) };
+                all.push(format!("{array} ({}, {} components{own})", domain(*d), components.len()));
             }
             None if is_other => {}
             None => all.push(format!("{name} ({})", domain(*d))),
         }
     }
-    let made = ["@elevation", "@normal", "@face", "@curvature", "@component"];
     let is_new = |name: &&str| !layout.attributes.iter().any(|(other, _)| other == name);
-    all.extend(made.into_iter().filter(is_new).map(String::from));
+    all.extend(made.filter(is_new).map(String::from));
     all
 }
 
@@ -120,7 +134,7 @@ fn vector_of(name: &str, only: Option<AttributeDomain>, layout: &Layout) -> Vec<
 /// The data of a name.
 ///
 /// # Errors
-/// [`DataError::Unknown`], [`DataError::Component`], [`DataError::NoNormals`].
+/// [`DataError::Unknown`], [`DataError::Component`], [`DataError::WhichComponent`], [`DataError::NoNormals`].
 pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> {
     let is_whole =
         layout.attributes.iter().any(|(known, d)| known == name && !Attribute::is_polygon(known, *d));
@@ -145,7 +159,8 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
         None => (name, None),
     };
     if array.starts_with('@') {
-        return made(name, array, component, layout, up);
+        let of_own = own::find(array, component, domain, layout)?;
+        return of_own.map_or_else(|| made(whole, array, component, layout, up), Ok);
     }
     let all = vector_of(array, domain, layout);
     let single = attribute(array);
@@ -153,22 +168,39 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
     let values = |number: usize| Ok(Found::Values(DataSource::Attribute(number)));
     match (component, single) {
         (None, None) if !all.is_empty() => Ok(Found::Values(DataSource::Magnitude(all))),
-        (None, _) => Err(unknown()),
+        // What files call so is no attribute, but the mesh holds it.
+        (None, _) => match own::meaning(name) {
+            Some(meaning) => {
+                let suffix = whole.strip_prefix(name).unwrap_or_default();
+                find(&format!("{meaning}{suffix}"), layout, up).map_err(|_| unknown())
+            }
+            None => Err(unknown()),
+        },
         (Some("0" | "magnitude"), Some(number)) => values(number),
         (Some("magnitude"), None) if !all.is_empty() => Ok(Found::Values(DataSource::Magnitude(all))),
         (Some("rgb" | "rgba" | "direct"), None) if (3..=4).contains(&all.len()) => {
             let components = all.into_iter().map(DataSource::Attribute).collect();
-            Ok(Found::Colors { components, is_signed: false })
+            Ok(Found::Colors { components, kind: ColorKind::OfData })
         }
         (Some(component), single) => {
-            let number = component.parse().ok().or_else(|| AXES.iter().position(|axis| *axis == component));
+            let axes = &AXES[..all.len().min(AXES.len())];
+            // Names of the file go first.
+            let number = all.iter().position(|&n| layout.component(n) == Some(component));
+            let number = number.or_else(|| component.parse().ok());
+            let number = number.or_else(|| axes.iter().position(|axis| *axis == component));
             if let Some(&attribute) = number.and_then(|number: usize| all.get(number)) {
                 return values(attribute);
             }
             if all.is_empty() && single.is_none() {
                 return Err(unknown());
             }
-            let mut there: Vec<String> = (0..all.len().max(1)).map(|k| k.to_string()).collect();
+            if single.is_some_and(|n| layout.component(n) == Some(component)) {
+                return single.map_or_else(|| Err(unknown()), values);
+            }
+            let own = all.iter().copied().chain(single).filter_map(|n| layout.component(n));
+            let mut there: Vec<String> = own.map(String::from).collect();
+            there.extend((0..all.len().max(1)).map(|k| k.to_string()));
+            there.extend(axes.iter().filter(|_| all.len() <= AXES.len()).map(|&axis| axis.into()));
             there.push("magnitude".into());
             if (3..=4).contains(&all.len()) {
                 there.push("rgb".into());
@@ -200,7 +232,7 @@ fn made(
         ("@normal", _) if !layout.normals => Err(DataError::NoNormals),
         ("@normal", None | Some("rgb")) => {
             let components = axes.map(DataSource::Normal).to_vec();
-            Ok(Found::Colors { components, is_signed: true })
+            Ok(Found::Colors { components, kind: ColorKind::Signed })
         }
         ("@normal", Some(component)) => match axis(component) {
             Some(axis) => Ok(Found::Values(DataSource::Normal(axis))),

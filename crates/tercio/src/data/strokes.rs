@@ -8,8 +8,8 @@ use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_scene::{DataColors, DataSource, SurfaceData};
 
-use super::DataError;
 use super::name::{self, Found, available};
+use super::{DataError, Made};
 
 /// What the colours of a model show.
 #[derive(Clone, Debug)]
@@ -52,12 +52,21 @@ pub enum StrokeData {
 /// What strokes store, as that of a surface.
 pub fn layout(strokes: &Strokes) -> Layout {
     let attributes = strokes.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect();
-    Layout { attributes, offsets: Layout::offsets_of(&strokes.attributes), ..Layout::default() }
+    Layout {
+        attributes,
+        offsets: Layout::offsets_of(&strokes.attributes),
+        components: Layout::components_of(&strokes.attributes),
+        vertex_colors: strokes.colors.is_some(),
+        ..Layout::default()
+    }
 }
 
-/// The data of a name; `None` if strokes do not have them.
-pub(super) fn find(name: &str, strokes: &Strokes, up: DVec3) -> Option<Found> {
-    let found = name::find(name, &layout(strokes), up).ok().filter(|_| !strokes.is_empty())?;
+/// The data of a name; `None` if strokes do not have them. Those of a cloud have no surface that anything was made of.
+pub(super) fn find(name: &str, strokes: &Strokes, is_cloud: bool, up: DVec3) -> Option<Found> {
+    if strokes.is_empty() || is_cloud && Made::of_name(name).is_some() {
+        return None;
+    }
+    let found = name::find(name, &layout(strokes), up).ok()?;
     (found != Found::Values(DataSource::Face)).then_some(found)
 }
 
@@ -69,17 +78,20 @@ pub(super) fn list_those_of(error: DataError, strokes: &Strokes, is_cloud: bool)
     if let Some(error @ DataError::Component { .. }) = of_own.filter(|_| !strokes.is_empty()) {
         return error;
     }
-    let is_made = |name: &String| name.starts_with('@');
+    let is_of_surface = |name: &String| {
+        let name = name.split(' ').next().unwrap_or_default();
+        name == "@normal" || name == "@face" || Made::of_name(name).is_some()
+    };
     let of_strokes: Vec<String> = match strokes.is_empty() {
         true => Vec::new(),
         false => available(&layout(strokes))
             .into_iter()
-            .filter(|n| !is_made(n) && !of_surface.contains(n))
+            .filter(|n| !is_of_surface(n) && (is_cloud || !of_surface.contains(n)))
             .collect(),
     };
     let mut all: Vec<String> =
         of_strokes.into_iter().map(|name| name.replace("(vertices", "(lines and points")).collect();
-    all.extend(of_surface.into_iter().filter(|name| !is_cloud || name == "@elevation"));
+    all.extend(of_surface.into_iter().filter(|_| !is_cloud));
     DataError::Unknown { name, available: all }
 }
 
@@ -102,7 +114,19 @@ pub(super) fn values(source: &DataSource, strokes: &Strokes, place: &DAffine3, o
             let at = |v: usize| place.transform_point3(strokes.position(v as u32));
             (0..count).into_par_iter().map(|v| (up.dot(at(v)) - offset) as f32).collect()
         }
-        DataSource::Normal(_) | DataSource::Face => vec![f32::NAN; count],
+        DataSource::Coordinate(axis) => {
+            let at = |v: usize| strokes.position(v as u32)[*axis];
+            (0..count).into_par_iter().map(|v| (at(v) - offset) as f32).collect()
+        }
+        DataSource::Color(k, _) => {
+            let component = |color: &Option<[u8; 4]>| match color {
+                Some(color) => (f64::from(color[*k]) - offset) as f32,
+                None => f32::NAN,
+            };
+            let colors = strokes.colors.iter().flatten();
+            colors.map(component).chain(std::iter::repeat(f32::NAN)).take(count).collect()
+        }
+        DataSource::Normal(_) | DataSource::Texcoord(_) | DataSource::Face => vec![f32::NAN; count],
     }
 }
 

@@ -15,7 +15,13 @@ fn model(attributes: &[Made]) -> Instance {
             AttributeDomain::Triangle => mesh.triangles.len(),
         };
         let values = (0..count).map(value).collect();
-        mesh.attributes.push(Attribute { name: (*name).into(), domain: *domain, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: (*name).into(),
+            domain: *domain,
+            values,
+            offset: 0.0,
+            component: None,
+        });
     }
     Instance::new(partition(mesh, &PartitionOptions::default()))
 }
@@ -33,7 +39,7 @@ const T: AttributeDomain = AttributeDomain::Triangle;
 #[test]
 fn values_with_an_offset_are_full_ones() {
     let values = (0..4).map(|i| i as f32 * 0.25).collect();
-    let attribute = Attribute { name: "q".into(), domain: V, values, offset: 1e9 };
+    let attribute = Attribute { name: "q".into(), domain: V, values, offset: 1e9, component: None };
     let mesh = Mesh {
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]],
         triangles: vec![[0, 1, 2], [2, 1, 3]],
@@ -67,9 +73,21 @@ fn edges_have_the_values_of_their_first_triangle() {
         let at = |v: usize| mesh.positions[v].iter().sum::<f32>();
         // Where vertices have the same position they have the same value, so that the ends of edges have one each.
         let values = (0..mesh.positions.len()).map(at).collect();
-        mesh.attributes.push(Attribute { name: "sum".into(), domain: V, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: "sum".into(),
+            domain: V,
+            values,
+            offset: 0.0,
+            component: None,
+        });
         let values = (0..mesh.triangles.len()).map(|t| t as f32).collect();
-        mesh.attributes.push(Attribute { name: "number".into(), domain: T, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: "number".into(),
+            domain: T,
+            values,
+            offset: 0.0,
+            component: None,
+        });
         mesh
     };
     let of = |name: &str, max_triangles: usize| {
@@ -144,16 +162,89 @@ fn names_find_attributes_components_and_colors() {
     assert_eq!(find("@elevation"), values(DataSource::Along(DVec3::Z)));
     let error = |name: &str| find(name).expect_err(name).to_string();
     let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
-    let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");
+    let all = format!("{all}, @elevation, @x, @y, @z, @normal, @face, @curvature, @component");
     assert_eq!(error("q"), format!("there is no attribute \"q\"; there are {all}"));
     for polygon in [Attribute::POLYGON, "@polygon@cell"] {
         assert!(error(polygon).contains(&all), "{polygon}");
     }
     assert!(error("@q").contains(&all) && error("q:1").contains(&all));
-    assert_eq!(error("v:3"), "\"v\" has no component \"3\"; it has 0, 1, 2, magnitude, rgb");
+    assert_eq!(error("v:3"), "\"v\" has no component \"3\"; it has 0, 1, 2, x, y, z, magnitude, rgb");
     assert_eq!(error("p:1"), "\"p\" has no component \"1\"; it has 0, magnitude");
     assert!(error("@curvature").contains("prepared"));
     assert!(error("@normal:w").contains("x, y, z, rgb"));
+}
+
+#[test]
+fn components_have_the_names_of_the_file() {
+    let mut mesh = builtin::make("builtin:sphere@500").expect("a model");
+    // The second one is called as the third axis.
+    for (k, component) in [Some("sxx"), Some("z"), None].into_iter().enumerate() {
+        let (values, component) = (vec![k as f32; mesh.positions.len()], component.map(String::from));
+        mesh.attributes.push(Attribute { name: format!("s:{k}"), domain: V, values, offset: 0.0, component });
+    }
+    let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
+    let find = |name: &str| name::find(name, instance.mesh.layout(), DVec3::Z);
+    for (name, number) in [("s:sxx", 0), ("s:x", 0), ("s:z", 1), ("s:2", 2), ("s:sxx@point", 0)] {
+        assert_eq!(find(name), Ok(name::Found::Values(DataSource::Attribute(number))), "{name}");
+    }
+    let error = |name: &str| find(name).expect_err(name).to_string();
+    assert!(error("s:syy").contains("it has sxx, z, 0, 1, 2, x, y, z, magnitude, rgb"));
+    assert!(error("q").contains("s (vertices, 3 components: sxx, z)"));
+}
+
+#[test]
+fn what_a_mesh_holds_itself_has_names() {
+    let mut mesh = Mesh {
+        origin: DVec3::new(4e6, 0.0, 0.0),
+        positions: vec![[0.25, 0.0, 7.0], [1.5, 0.0, 8.0], [0.0, 1.0, 9.0]],
+        triangles: vec![[0, 1, 2]],
+        vertex_colors: Some(vec![[1, 2, 3, 4], [11, 12, 13, 14], [21, 22, 23, 24]]),
+        texcoords: Some(vec![[0.25, 0.5], [0.75, 0.0], [0.0, 1.0]]),
+        ..Mesh::default()
+    };
+    let of = |mesh: &Mesh| {
+        let mut instance = Instance::new(partition(mesh.clone(), &PartitionOptions::default()));
+        // The place of the instance does not count.
+        instance.world_from_object = glam::DAffine3::from_translation(DVec3::splat(1e3));
+        instance
+    };
+    let instance = of(&mesh);
+    let range = |name: &str| colors(&DataOptions::new(name), &instance).map(|colors| colors.range);
+    for (name, meaning, expected) in [
+        ("x", "@x", [4e6, 4e6 + 1.5]),
+        ("z", "@z", [7.0, 9.0]),
+        ("red", "@color:r", [1.0, 21.0]),
+        ("Blue", "@color:blue", [3.0, 23.0]),
+        ("alpha@point", "@color:3", [4.0, 24.0]),
+        ("s", "@texcoord:u", [0.0, 0.75]),
+        ("texture_v", "@texcoord:1", [0.0, 1.0]),
+    ] {
+        assert_eq!(range(name), Ok(expected), "{name}");
+        assert_eq!(range(meaning), Ok(expected), "{meaning}");
+    }
+    let direct = DataOptions::new("rgb").data(&instance).expect("colours");
+    let SurfaceData::Direct { components, scale, offset } = &*direct else { panic!("values") };
+    assert_eq!((components.len(), *scale, *offset), (3, 1.0 / 255.0, 0.0));
+    let error = |name: &str| range(name).expect_err(name).to_string();
+    assert!(error("q").contains("@x, @y, @z, @color (red, green, blue, alpha), @texcoord (u, v)"));
+    assert!(error("@texcoord").contains("@texcoord:u, @texcoord:v"));
+    assert!(error("@color:cyan").contains("red, green, blue"));
+    assert!(error("nx").contains("no attribute \"nx\"") && error("red@cell").contains("no attribute"));
+
+    // An attribute of the file goes first; without colours there are none.
+    mesh.attributes.push(Attribute {
+        name: "red".into(),
+        domain: V,
+        values: vec![5.0, 6.0, 7.0],
+        offset: 0.0,
+        component: None,
+    });
+    (mesh.vertex_colors, mesh.face_colors) = (None, Some(vec![[9, 8, 7, 6]]));
+    let instance = of(&mesh);
+    let found = |name: &str| name::find(name, instance.mesh.layout(), DVec3::Z);
+    let values = |source| Ok(name::Found::Values(source));
+    assert_eq!(found("red"), values(DataSource::Attribute(0)));
+    assert_eq!(found("green"), values(DataSource::Color(1, T)));
 }
 
 #[test]
@@ -208,7 +299,7 @@ fn a_polygon_counts_once_in_percentiles() {
         ..Mesh::default()
     };
     let values = [9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 2.0].to_vec();
-    mesh.attributes.push(Attribute { name: "c".into(), domain: T, values, offset: 0.0 });
+    mesh.attributes.push(Attribute { name: "c".into(), domain: T, values, offset: 0.0, component: None });
     let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
     let mut options = DataOptions::new("c");
     options.range.high = RangeEnd::Percentile(0.5);
@@ -226,7 +317,7 @@ fn categories_are_the_values_that_there_are() {
     assert_eq!(found.color(1.0), [55, 126, 184, 255], "the second colour of Set1");
     let mesh = builtin::make("builtin:sphere@20k").expect("a model");
     let values = (0..mesh.positions.len()).map(|i| i as f32).collect();
-    let many = Attribute { name: "many".into(), domain: V, values, offset: 0.0 };
+    let many = Attribute { name: "many".into(), domain: V, values, offset: 0.0, component: None };
     let mesh = Mesh { attributes: vec![many], ..mesh };
     options.by = "many".into();
     let instance = Instance::new(partition(mesh, &PartitionOptions::default()));

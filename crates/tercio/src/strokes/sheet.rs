@@ -169,7 +169,7 @@ impl<'a> Sheet<'a> {
 
 fn values(inks: &[Ink], offset: f64) -> Attribute {
     let values = inks.iter().map(|ink| ink.value).collect();
-    Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values, offset }
+    Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values, offset, component: None }
 }
 
 /// Draws strokes onto sheets, in parallel; the sheets, in order, as instances.

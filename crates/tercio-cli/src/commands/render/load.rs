@@ -124,7 +124,7 @@ impl Render {
                     .push("nothing shows the data of --color-by: edges have one colour in SVG and PDF, and with --edge-color".into());
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
-            member.dress_contours(&mut instance);
+            member.dress_contours(&mut instance, is_drawing);
             let shows_nan = || colors.has_unknown_category(&instance, data.as_ref());
             if let Some(bar) = member.annotation.bar(&instance, shows_nan) {
                 match bars.iter_mut().find(|other| is_same(other, &bar)) {

@@ -114,7 +114,8 @@ impl Render {
     }
 
     /// Gives a dressed instance the look of contours: no light, bands of one colour, and lines between them.
-    pub(super) fn dress_contours(&self, instance: &mut Instance) {
+    /// SVG and PDF have only the lines (`is_drawing`).
+    pub(super) fn dress_contours(&self, instance: &mut Instance, is_drawing: bool) {
         if !self.strokes.is_contours() {
             return;
         }
@@ -134,6 +135,8 @@ impl Render {
             let bands = lines.values.len() as u32 + 1;
             if colors.bands.is_none() && lines.values == between(colors, bands) {
                 colors.bands = Some(bands);
+            } else if !is_drawing {
+                colors.levels.clone_from(&lines.values);
             }
             return;
         }

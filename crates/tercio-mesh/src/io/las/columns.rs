@@ -135,8 +135,13 @@ impl<'a> Columns<'a> {
         let layout = &self.header.layout;
         let is_there = [true, true, true, true, true, layout.gps.is_some(), layout.nir.is_some()];
         let domain = AttributeDomain::Vertex;
-        let attribute =
-            |(name, values): (&str, _)| Attribute { name: name.into(), domain, values, offset: 0.0 };
+        let attribute = |(name, values): (&str, _)| Attribute {
+            name: name.into(),
+            domain,
+            values,
+            offset: 0.0,
+            component: None,
+        };
         let all = all.into_iter().zip(is_there).filter(|(_, is)| *is).map(|(all, _)| attribute(all));
         let mut all: Vec<Attribute> = all.collect();
         all.iter_mut().filter(|a| a.name == "gps_time").for_each(|a| a.offset = of_times);
@@ -146,7 +151,13 @@ impl<'a> Columns<'a> {
             let doubles = Doubles::of(&values);
             let (name, offset) = (unused(&all, &dimension.name), doubles.offset());
             warnings.extend(doubles.warning(&name, dimension.has_integers()));
-            all.push(Attribute { name, domain, values: all_stored(&values, offset), offset });
+            all.push(Attribute {
+                name,
+                domain,
+                values: all_stored(&values, offset),
+                offset,
+                component: None,
+            });
         }
         (all, warnings)
     }

@@ -76,7 +76,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
                 let offset = doubles.offset();
                 let values = column().map(|value| stored(value, offset)).collect();
                 let domain = crate::AttributeDomain::Vertex;
-                strokes.attributes.push(Attribute { name, domain, values, offset });
+                strokes.attributes.push(Attribute { name, domain, values, offset, component: None });
             }
         }
         if let Some(progress) = options.progress {

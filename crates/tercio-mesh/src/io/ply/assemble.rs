@@ -142,12 +142,19 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<Aab
                     domain: AttributeDomain::Vertex,
                     values,
                     offset: 0.0,
+                    component: None,
                 });
             }
             Column::Attribute64(values) => {
                 let (values, offset) = narrow(job, &field.name, values)?;
                 let name = field.name.clone();
-                mesh.attributes.push(Attribute { name, domain: AttributeDomain::Vertex, values, offset });
+                mesh.attributes.push(Attribute {
+                    name,
+                    domain: AttributeDomain::Vertex,
+                    values,
+                    offset,
+                    component: None,
+                });
             }
         }
     }
@@ -220,7 +227,13 @@ fn face_columns(
     let attributes = &mut mesh.attributes;
     let mut add = |name: &str, (values, offset): (Vec<f32>, f64)| {
         let (name, values) = (name.to_owned(), spread(values, triangles));
-        attributes.push(Attribute { name, domain: AttributeDomain::Triangle, values, offset });
+        attributes.push(Attribute {
+            name,
+            domain: AttributeDomain::Triangle,
+            values,
+            offset,
+            component: None,
+        });
     };
     for (field, column) in plan.fields.iter().zip(columns) {
         match column {

@@ -50,12 +50,14 @@ fn mesh() -> Mesh {
             domain: AttributeDomain::Vertex,
             values: (0..v).map(|i| i as f32).collect(),
             offset: 0.0,
+            component: None,
         },
         Attribute {
             name: "part".into(),
             domain: AttributeDomain::Triangle,
             values: (0..t).map(|i| -(i as f32)).collect(),
             offset: 1e9,
+            component: None,
         },
     ];
     mesh

@@ -161,9 +161,16 @@ pub struct Array<'a> {
     pub components: usize,
     pub numbers: Numbers<'a>,
     pub r#use: Use,
+    /// What the file calls the components; none if it does not, and empty names for those without.
+    pub names: Vec<String>,
 }
 
 impl Array<'_> {
+    /// What the file calls a component.
+    pub fn component(&self, number: usize) -> Option<&str> {
+        self.names.get(number).map(String::as_str).filter(|name| !name.is_empty())
+    }
+
     pub fn tuples(&self) -> u64 {
         (self.numbers.len() / self.components.max(1)) as u64
     }

@@ -81,7 +81,8 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     let of_strokes = per_vertex + 4 * components(&data.cell_data) + 20;
     // Of the surface, and of lines and points.
     let arrays = data.point_data.iter().chain(&data.cell_data);
-    let names: u64 = arrays.map(|a| 2 * Attribute::bytes_of_names(&a.name, a.components)).sum();
+    let own = |a: &Array| a.names.iter().map(|name| name.len() as u64).sum::<u64>();
+    let names: u64 = arrays.map(|a| 2 * (Attribute::bytes_of_names(&a.name, a.components) + own(a))).sum();
     job.reserve(
         "its vertices and their data",
         needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)).saturating_add(names),
@@ -124,9 +125,7 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
             Use::Colors => part.vertex_colors = Some(colors(array, kept)),
             Use::Attribute => {}
         }
-        if !matches!(array.r#use, Use::Normals | Use::Texcoords) {
-            attributes(job, array, AttributeDomain::Vertex, kept, &mut part.attributes);
-        }
+        attributes(job, array, AttributeDomain::Vertex, kept, &mut part.attributes);
     }
     for array in &data.cell_data {
         let cells = part.cells.as_deref();
@@ -137,7 +136,13 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     }
     if !surface.polygons.is_empty() {
         let (name, domain) = (Attribute::POLYGON.into(), AttributeDomain::Triangle);
-        part.attributes.push(Attribute { name, domain, values: surface.polygons, offset: 0.0 });
+        part.attributes.push(Attribute {
+            name,
+            domain,
+            values: surface.polygons,
+            offset: 0.0,
+            component: None,
+        });
     }
     Ok(part)
 }
@@ -234,7 +239,8 @@ fn attributes(
         warning = warning.or(of_part);
         let values = array.numbers.component(component, array.components, elements, offset);
         let name = Attribute::component_name(&array.name, component, array.components);
-        to.push(Attribute { name, domain, values, offset });
+        let own = array.component(component).map(str::to_owned);
+        to.push(Attribute { name, domain, values, offset, component: own });
     }
     warning.into_iter().for_each(|warning| job.warn(warning));
 }

@@ -245,3 +245,30 @@ fn bits_are_read_from_every_encoding() {
     };
     assert!(few.to_string().contains("3 tuples of array \"mask\""), "{few}");
 }
+
+#[test]
+fn components_have_the_names_of_the_file() {
+    let names = |bytes: &[u8]| -> Vec<(String, Option<String>)> {
+        let mesh = read(bytes).mesh;
+        mesh.attributes.into_iter().map(|a| (a.name, a.component)).collect()
+    };
+    let named = |name: &str, component: Option<&str>| (name.to_owned(), component.map(str::to_owned));
+    let xml = "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\">\
+        <PointData><DataArray type=\"Float32\" Name=\"s\" NumberOfComponents=\"2\" ComponentName1=\"syy\" format=\"ascii\">\
+        1 2 3 4 5 6</DataArray><DataArray type=\"Float32\" Name=\"p\" format=\"ascii\">1 2 3</DataArray></PointData>\
+        <Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0</DataArray></Points>\
+        <Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>\
+        <DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys></Piece></PolyData></VTKFile>";
+    let expected = [named("s:0", None), named("s:1", Some("syy")), named("p", None)];
+    assert_eq!(names(xml.as_bytes()), expected);
+    let metadata = "METADATA\nCOMPONENT_NAMES\ns%20xx\nsyy\nINFORMATION 0\n\n";
+    let front = "# vtk DataFile Version 5.1\n\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n\
+        METADATA\nINFORMATION 0\n\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n0 1 2\nPOINT_DATA 3\n";
+    let expected = [named("s:0", Some("s xx")), named("s:1", Some("syy")), named("p", None)];
+    let field = format!("{front}FIELD f 2\ns 2 3 float\n1 2 3 4 5 6\n{metadata}p 1 3 float\n1 2 3\n");
+    assert_eq!(names(field.as_bytes()), expected);
+    let scalars = format!(
+        "{front}SCALARS s float 2\nLOOKUP_TABLE default\n1 2 3 4 5 6\n{metadata}SCALARS p float\n1 2 3\n"
+    );
+    assert_eq!(names(scalars.as_bytes()), expected);
+}

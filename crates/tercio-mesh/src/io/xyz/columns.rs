@@ -74,6 +74,7 @@ pub fn meaning(
         domain,
         values,
         offset: doubles.offset(),
+        component: None,
     };
     (bytes(colors), rest.into_iter().zip(all).map(attribute).collect())
 }

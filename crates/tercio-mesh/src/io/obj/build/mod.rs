@@ -173,6 +173,7 @@ fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
                 domain: AttributeDomain::Triangle,
                 values,
                 offset: 0.0,
+                component: None,
             });
         }
     }

@@ -38,7 +38,7 @@ impl<'a> Data<'a> {
                 self.now = Some((Domain::Points, parser.count("the number of points with data")?))
             }
             "CELL_DATA" => self.now = Some((Domain::Cells, parser.count("the number of cells with data")?)),
-            "METADATA" => skip_metadata(parser),
+            "METADATA" => self.metadata(parser, self.last()),
             "FIELD" => self.field(parser)?,
             "LOOKUP_TABLE" => {
                 let name = name(parser.word("the name of a lookup table")?);
@@ -113,8 +113,13 @@ impl<'a> Data<'a> {
         let components = checked(parser, components)?;
         let numbers = parser.numbers(&format!("array {name:?}"), tuples.saturating_mul(components), kind)?;
         let components = components as usize;
-        let mut array =
-            Array { r#use: Use::of(&name, components, numbers.scalar), name, components, numbers };
+        let mut array = Array {
+            r#use: Use::of(&name, components, numbers.scalar),
+            name,
+            components,
+            numbers,
+            names: Vec::new(),
+        };
         set(&mut array);
         self.push(domain, array);
         Ok(())
@@ -130,20 +135,57 @@ impl<'a> Data<'a> {
         }
     }
 
+    /// The array that was read last, by its domain and number.
+    fn last(&self) -> Option<(Domain, usize)> {
+        let (domain, _) = self.now?;
+        let arrays = if domain == Domain::Points { &self.points } else { &self.cells };
+        Some((domain, arrays.len().checked_sub(1)?))
+    }
+
+    /// Reads a block that ends with an empty line: the names of the components of an array, which may be one of those that were read.
+    fn metadata(&mut self, parser: &mut Parser, of: Option<(Domain, usize)>) {
+        let array = match of {
+            Some((Domain::Points, number)) => self.points.get_mut(number),
+            Some((Domain::Cells, number)) => self.cells.get_mut(number),
+            None => None,
+        };
+        let (mut names, most) = (Vec::new(), array.as_ref().map_or(0, |array| array.components));
+        parser.cursor.skip_line();
+        let mut left = 0;
+        while !parser.cursor.line_is_over() {
+            let mut line = parser.cursor.clone();
+            let word = line.word();
+            if left > 0 {
+                names.push(name(word));
+                left -= 1;
+            } else if word == b"COMPONENT_NAMES" {
+                left = most;
+            }
+            parser.cursor.skip_line();
+        }
+        if let Some(array) = array.filter(|_| !names.is_empty()) {
+            array.names = names;
+        }
+    }
+
     /// Reads a field: arrays of any length, of which those before the first data belong to the whole file.
     fn field(&mut self, parser: &mut Parser<'_, 'a>) -> Result<(), ReadError> {
         parser.word("the name of a field")?;
         let mut left = parser.count("the number of arrays of a field")?;
+        let mut before = self.last();
         while left > 0 {
             parser.cursor.skip_space();
             let word = parser.word("the name of an array")?;
             match word {
                 b"METADATA" => {
-                    skip_metadata(parser);
+                    // Of an array before this one that was not kept nothing is read.
+                    self.metadata(parser, self.last().filter(|last| Some(*last) != before));
+                    before = self.last();
                     continue;
                 }
-                b"NULL_ARRAY" => {}
+                b"NULL_ARRAY" => before = self.last(),
                 _ => {
+                    before = self.last();
                     let name = name(word);
                     let components = parser.count("a number of components")?;
                     let components = checked(parser, components)?;
@@ -166,7 +208,7 @@ impl<'a> Data<'a> {
                             }
                             let components = components as usize;
                             let r#use = Use::of(&name, components, numbers.scalar);
-                            self.push(domain, Array { name, components, numbers, r#use });
+                            self.push(domain, Array { name, components, numbers, r#use, names: Vec::new() });
                         }
                     }
                 }
@@ -183,14 +225,6 @@ fn checked(parser: &Parser, components: u64) -> Result<u64, ReadError> {
     }
     let expected = format!("1 to {MOST_COMPONENTS} components of an array");
     Err(parser.job.malformed(parser.place(), expected, components.to_string()))
-}
-
-/// Skips a block that ends with an empty line.
-fn skip_metadata(parser: &mut Parser) {
-    parser.cursor.skip_line();
-    while !parser.cursor.line_is_over() {
-        parser.cursor.skip_line();
-    }
 }
 
 /// A name, in which special characters are written as in addresses of the web.

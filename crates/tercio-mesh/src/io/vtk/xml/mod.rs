@@ -20,6 +20,9 @@ use arrays::{Encoding, Type};
 use compress::Compressor;
 use tree::{Document, Element};
 
+/// Components of an array that may have names.
+const MOST_NAMED: usize = 256;
+
 /// What a file is.
 pub enum Kind {
     /// A data set, with the name of its kind.
@@ -188,7 +191,12 @@ impl<'a> Reader<'_, 'a> {
                     _ => Use::Attribute,
                 }
             };
-            arrays.push(Array { name, components, numbers, r#use });
+            // As many as the element has attributes at most: the count of components may be a large one.
+            let own =
+                |k: usize| element.attribute(&format!("ComponentName{k}")).unwrap_or_default().to_owned();
+            let has_names = (0..components.min(MOST_NAMED)).any(|k| !own(k).is_empty());
+            let names = (0..components.min(MOST_NAMED)).filter(|_| has_names).map(own).collect();
+            arrays.push(Array { name, components, numbers, r#use, names });
         }
         Ok(arrays)
     }

@@ -20,7 +20,13 @@ fn sphere() -> Scene {
             _ => (AttributeDomain::Vertex, mesh.positions.len()),
         };
         let values = (0..count).map(|i| (i % 5) as f32).collect();
-        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values, offset: 0.0 });
+        mesh.attributes.push(Attribute {
+            name: format!("v:{k}"),
+            domain,
+            values,
+            offset: 0.0,
+            component: None,
+        });
     }
     Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())))
 }
