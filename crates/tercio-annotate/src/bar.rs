@@ -147,7 +147,8 @@ impl ScalarBar {
                 return None;
             }
             let places = |distance: f64| (length / (em * distance)).floor() as usize + 1;
-            let ticks = self.ticks(places(2.8), places(CLOSE));
+            let ticks = self.with_room(self.ticks(places(2.8), places(CLOSE)), length, em);
+            let ticks = self.without_merged(ticks, length, em);
             let mut labels = widest(&ticks, em);
             if has_nan {
                 labels = labels.max(Line::new(NO_DATA).width * em);
@@ -180,8 +181,11 @@ impl ScalarBar {
         }
         // As many labels as there is room for.
         let mut most = (length / (em * 3.0)).floor() as usize + 1;
-        let ticks = loop {
-            let ticks = self.ticks(most, most);
+        let mut ticks = loop {
+            let mut ticks = self.ticks(most, most);
+            if self.has_own_values() {
+                ticks = self.with_room(ticks, length, em);
+            }
             if self.have_room(&ticks, length, em) {
                 break ticks;
             }
@@ -197,10 +201,14 @@ impl ScalarBar {
         let all = length + ends + nan + 2.0 * beyond;
         if all > room[0] {
             length -= (all - room[0]).ceil();
+            if self.has_own_values() {
+                ticks = self.with_room(ticks, length, em);
+            }
             if length < em * 3.0 || !self.have_room(&ticks, length, em) {
                 return None;
             }
         }
+        let ticks = self.without_merged(ticks, length, em);
         let title = (!title.is_empty()).then(|| TextBlock::fit(title, em, room[0], 2));
         let above = title.as_ref().map_or(0.0, |title| title.size[1] + em * 0.3);
         let width =
@@ -215,18 +223,6 @@ impl ScalarBar {
             thickness,
             has_nan,
             size,
-        })
-    }
-
-    /// Whether labels of a level bar do not touch each other.
-    fn have_room(&self, ticks: &[Tick], length: f64, em: f64) -> bool {
-        let mut end = f64::NEG_INFINITY;
-        labelled(ticks).all(|tick| {
-            let half = Line::new(&tick.label).width * em * 0.5;
-            let middle = self.colors.position(tick.value) * length;
-            let fits = middle - half >= end;
-            end = middle + half + em * 0.6;
-            fits
         })
     }
 
