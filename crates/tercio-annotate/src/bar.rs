@@ -8,6 +8,7 @@ use std::sync::Arc;
 use tercio_mesh::color::srgb_to_linear;
 use tercio_scene::color_map::DataColors;
 
+use crate::annotation::sides_of;
 use crate::font::{ASCENT, CAP_HEIGHT, DESCENT, Direction, Line};
 use crate::layout::{Layout, Place, Rect, SHRINK, TextBlock};
 use crate::number::NumberFormat;
@@ -67,21 +68,25 @@ struct Parts {
 }
 
 impl ScalarBar {
-    /// Adds it to a picture, where it is called `name`.
-    pub fn add(&self, layout: &mut Layout, name: &str) {
-        let placed = if self.colors.categories.is_empty() {
+    /// Adds it to a picture, where it is called `name`. Returns its box; `None` if there is no room.
+    pub fn add(&self, layout: &mut Layout, name: &str) -> Option<Rect> {
+        let rect = if self.colors.categories.is_empty() {
             self.add_scale(layout, name)
         } else {
             self.add_list(layout, name)
-        };
-        match placed {
-            Some(rect) => layout.keep(name, rect),
-            None => layout.leave_out(name),
-        }
+        }?;
+        layout.keep(name, rect);
+        Some(rect)
+    }
+
+    /// The side at which it takes its room: one that lies across its border, too, and in a corner the one along which it is.
+    pub(crate) fn sides(&self) -> [Option<usize>; 2] {
+        let [beside, above] = sides_of(self.place);
+        if self.is_upright != self.is_across() { [beside, None] } else { [None, above] }
     }
 
     /// Whether it lies across the border at which it is: upright above or below the model, level beside it.
-    pub(crate) fn is_across(&self) -> bool {
+    fn is_across(&self) -> bool {
         let (at_side, at_end) = (is_border(self.place.x), is_border(self.place.y));
         if self.is_upright { at_end && !at_side } else { at_side && !at_end }
     }
