@@ -6,12 +6,17 @@ use tercio_scene::camera::CameraError;
 
 use crate::bar::ScalarBar;
 use crate::caption::Caption;
-use crate::layout::{Layout, Place, Placed};
+use crate::layout::{Layout, Place, Placed, Rect};
 use crate::number::NumberFormat;
 use crate::overlay::Overlay;
 use crate::project::{Projector, make_room};
 use crate::scale_bar::ScaleLength;
 use crate::{axes_box, floor, scale_bar, triad};
+
+mod margins;
+
+pub(crate) use margins::sides_of;
+use margins::{Claim, MOST_TAKEN, Room};
 
 /// What is drawn onto a picture, in the order in which it finds its room.
 #[derive(Clone, Debug)]
@@ -78,14 +83,38 @@ pub struct LaidOut {
     pub grid_step: Option<f64>,
 }
 
-/// Margins take at most this share of the picture's width or height.
-const MOST_TAKEN: f64 = 0.6;
-/// Pictures with a shorter side of fewer pixels have no corners in which there is room beside the model.
-const SMALL: f64 = 100.0;
+/// Something that is drawn onto a picture.
+enum Item<'a> {
+    Caption(&'a Caption),
+    Bar(String, &'a ScalarBar),
+    Axes(Place),
+    ScaleBar(&'a str, Place),
+}
+
+/// What does not depend on the camera, and the boxes in which the rest is drawn.
+struct Fixed {
+    layout: Layout,
+    axes: Option<Rect>,
+    /// The largest box of the scale bar.
+    scale_bar: Option<Rect>,
+    room: Room,
+}
 
 /// What a scalar bar is called in [`Placed`]: `bar`, `bar 2` and so on.
 fn bar_name(number: usize) -> String {
     if number == 0 { "bar".into() } else { format!("bar {}", number + 1) }
+}
+
+impl Item<'_> {
+    /// What it is called in [`Placed`].
+    fn what(&self) -> String {
+        match self {
+            Self::Caption(caption) => caption.what(),
+            Self::Bar(name, _) => name.clone(),
+            Self::Axes(_) => "axes".into(),
+            Self::ScaleBar(..) => scale_bar::WHAT.into(),
+        }
+    }
 }
 
 impl Annotation {
@@ -112,15 +141,15 @@ impl Annotation {
         bounds: [DVec3; 2],
         up: DVec3,
     ) -> Result<LaidOut, CameraError> {
-        let mut layout = self.fixed(width, height);
+        let Fixed { mut layout, axes, scale_bar, .. } = self.fixed(width, height);
         let projector = Projector::new(camera, layout.size)?;
         let mut laid_out = LaidOut::default();
         let has_box = bounds[0].cmple(bounds[1]).all() && bounds.iter().all(|corner| corner.is_finite());
-        if let Some(place) = self.axes {
-            triad::add(&mut layout, &projector, place);
+        if let Some(rect) = axes {
+            triad::draw(&mut layout, &projector, rect);
         }
-        if let Some((place, unit)) = &self.scale_bar {
-            laid_out.scale = scale_bar::add(&mut layout, &projector, unit, *place);
+        if let (Some((place, unit)), Some(slot)) = (&self.scale_bar, scale_bar) {
+            laid_out.scale = scale_bar::draw(&mut layout, &projector, unit, *place, slot);
         }
         if self.grid && has_box {
             laid_out.grid_step =
@@ -133,81 +162,62 @@ impl Annotation {
         Ok(LaidOut { onto: overlay, placed, left_out, ..laid_out })
     }
 
+    /// Everything in the order in which it finds its room.
+    fn items(&self) -> Vec<Item<'_>> {
+        let captions = self.captions.iter().map(Item::Caption);
+        let bars = self.bars.iter().enumerate().map(|(number, bar)| Item::Bar(bar_name(number), bar));
+        let axes = self.axes.map(Item::Axes);
+        let scale_bar = self.scale_bar.as_ref().map(|(place, unit)| Item::ScaleBar(unit, *place));
+        captions.chain(bars).chain(axes).chain(scale_bar).collect()
+    }
+
     /// What does not depend on the camera. Where the model would have too little room, the last of it is left out.
-    fn fixed(&self, width: u32, height: u32) -> Layout {
-        let count = self.captions.len() + self.bars.len();
-        let mut left_out = vec![false; count];
+    fn fixed(&self, width: u32, height: u32) -> Fixed {
+        let items = self.items();
+        let mut kept = items.len();
         loop {
-            let mut layout = Layout::new(width, height, self.text_scale, self.color);
-            for (number, caption) in self.captions.iter().enumerate() {
-                if left_out[number] { layout.leave_out(&caption.what()) } else { caption.add(&mut layout) }
-            }
-            for (number, bar) in self.bars.iter().enumerate() {
-                let name = bar_name(number);
-                if left_out[self.captions.len() + number] {
-                    layout.leave_out(&name);
-                } else {
-                    bar.add(&mut layout, &name);
-                }
-            }
-            let [left, top, right, bottom] = self.taken(&layout);
-            let is_too_much =
-                left + right > layout.size[0] * MOST_TAKEN || top + bottom > layout.size[1] * MOST_TAKEN;
+            let mut fixed = self.with(&items[..kept], width, height);
             // One thing is there even if it takes more.
-            let is_alone = left_out.iter().filter(|is_left_out| !*is_left_out).count() < 2;
-            let last = left_out.iter().rposition(|is_left_out| !is_left_out);
-            match last.filter(|_| is_too_much && !is_alone) {
-                Some(last) => left_out[last] = true,
-                None => return layout,
+            if fixed.room.is_enough || kept < 2 {
+                items[kept..].iter().for_each(|item| fixed.layout.leave_out(&item.what()));
+                return fixed;
             }
+            kept -= 1;
         }
     }
 
-    /// The margins that text at the upper and lower border and bars at any border take.
-    fn taken(&self, layout: &Layout) -> [f64; 4] {
-        let [w, h] = layout.size;
-        // There is room in the corners of all but small pictures.
-        let has_corners = w.min(h) >= SMALL;
-        let mut margins = [0.0f64; 4];
-        let bar_of = |what: &str| {
-            let numbered = self.bars.iter().enumerate();
-            numbered
-                .map(|(number, bar)| (bar_name(number), bar))
-                .find(|(name, _)| name == what)
-                .map(|(_, bar)| bar)
-        };
-        for Placed { what, rect: [left, top, right, bottom] } in &layout.placed {
-            let bar = bar_of(what);
-            let place = match bar {
-                Some(bar) => bar.place,
-                None => {
-                    let own = self.captions.iter().find(|caption| caption.what() == *what);
-                    match own.map(|caption| caption.place) {
-                        Some(place) if place.x == 0.5 || !has_corners => place,
-                        _ => continue,
-                    }
+    /// The layout of some things alone.
+    fn with(&self, items: &[Item<'_>], width: u32, height: u32) -> Fixed {
+        let mut layout = Layout::new(width, height, self.text_scale, self.color);
+        let (mut claims, mut axes, mut scale_bar) = (Vec::new(), None, None);
+        for item in items {
+            let (rect, sides) = match item {
+                Item::Caption(caption) => (caption.add(&mut layout), sides_of(caption.place)),
+                Item::Bar(name, bar) => (bar.add(&mut layout, name), bar.sides()),
+                Item::Axes(place) => {
+                    axes = margins::find(&layout, &claims, triad::size(&layout).as_slice(), *place);
+                    axes.iter().for_each(|rect| layout.keep(&item.what(), *rect));
+                    (axes, sides_of(*place))
+                }
+                Item::ScaleBar(unit, place) => {
+                    scale_bar = margins::find(&layout, &claims, &scale_bar::sizes(&layout, unit), *place);
+                    (scale_bar, sides_of(*place))
                 }
             };
-            // One that lies across its border takes its room there, too.
-            let is_upright = bar.is_some_and(|bar| bar.is_upright != bar.is_across());
-            if is_upright && place.x == 1.0 {
-                margins[2] = margins[2].max(w - left);
-            } else if is_upright && place.x == 0.0 {
-                margins[0] = margins[0].max(*right);
-            } else if !is_upright && place.y == 0.0 {
-                margins[1] = margins[1].max(*bottom);
-            } else if !is_upright && place.y == 1.0 {
-                margins[3] = margins[3].max(h - top);
+            match rect {
+                Some(rect) => claims.push(Claim { rect, sides }),
+                None => layout.leave_out(&item.what()),
             }
         }
-        margins
+        let room = margins::room(&claims, layout.size);
+        Fixed { layout, axes, scale_bar, room }
     }
 
-    /// The margins, left, upper, right and lower, that text at the upper and lower border, a bar at any border and the numbers of
-    /// the box take from the model, in pixels.
+    /// The margins, left, upper, right and lower, that all that is at a side or in a corner and the numbers of the box take from the
+    /// model, in pixels.
     pub fn margins(&self, width: u32, height: u32) -> [f64; 4] {
-        let layout = self.fixed(width, height);
-        let mut margins = self.taken(&layout);
+        let Fixed { layout, room, .. } = self.fixed(width, height);
+        let mut margins = room.margins;
         let em = layout.em;
         let of_box = if self.bounds { [4.5 * em, em, 2.0 * em, 2.8 * em] } else { [0.0; 4] };
         for (a, b, size) in [(0, 2, layout.size[0]), (1, 3, layout.size[1])] {

@@ -12,7 +12,7 @@ use crate::number::NumberFormat;
 use crate::outline::Outline;
 use crate::overlay::{Overlay, Paint};
 use crate::project::Projector;
-use crate::ticks;
+use crate::ticks::{self, Tick};
 
 /// An edge of a box: parallel to `axis`, at the upper or lower end of the other two axes.
 #[derive(Clone, Copy, Debug)]
@@ -114,31 +114,28 @@ fn add_numbers(
     let across = dx.abs() / length;
     let range = [bounds[0][axis], bounds[1][axis]];
     let most = (length / (em * (1.9 + 3.0 * across))) as usize + 1;
+    let numbers = |most: usize| -> Vec<Number> {
+        let ticks = ticks::linear(range, most, format).into_iter();
+        let at = |tick: &Tick| projector.point(edge.at(tick.value, bounds));
+        ticks.filter_map(|tick| Some(Number::of(&tick, at(&tick)?, out, em))).collect()
+    };
+    // Fewer of them, where they would lie on each other: numbers that are wide, or far behind.
+    let are_apart = |numbers: &Vec<Number>| {
+        numbers.windows(2).all(|pair| !overlap(&pair[0].rect, &pair[1].rect, em * APART))
+    };
+    let fewer = (2..=most.max(2)).rev().map(numbers);
+    let chosen = fewer.clone().find(are_apart).or_else(|| fewer.last()).unwrap_or_default();
     let mut boxes: Vec<Rect> = Vec::new();
     let mut reach = 0.0f64;
-    for tick in ticks::linear(range, most, format) {
-        let Some(at) = projector.point(edge.at(tick.value, bounds)) else { continue };
-        let end = [at[0] + out[0] * em * 0.45, at[1] + out[1] * em * 0.45];
-        let line = Line::new(&tick.label);
-        let half = [line.width * em * 0.5, em * CAP_HEIGHT * 0.5];
-        // The box of the label touches the line through the ends of the marks.
-        let distance = em * 0.25 + out[0].abs() * half[0] + out[1].abs() * half[1];
-        let center = [end[0] + out[0] * distance, end[1] + out[1] * distance];
-        let rect = [center[0] - half[0], center[1] - half[1], center[0] + half[0], center[1] + half[1]];
-        let inside = rect[0] >= 1.0
-            && rect[1] >= 1.0
-            && rect[2] <= layout.size[0] - 1.0
-            && rect[3] <= layout.size[1] - 1.0;
-        let is_free = layout.placed.iter().all(|other| !overlap(&other.rect, &rect, em * 0.3));
-        if !inside || !is_free {
+    for Number { line, at, end, rect, reach: own } in chosen {
+        if !is_free(layout, &rect, em) {
             continue;
         }
         layout.overlay.stroke(at, end, layout.line, layout.color);
-        let place = [center[0] - half[0], center[1] + half[1]].map(f64::round);
-        layout.overlay.text(&line, place, em, Direction::Right, layout.color);
+        layout.overlay.text(&line, [rect[0], rect[3]].map(f64::round), em, Direction::Right, layout.color);
         layout.keep(&format!("number of the {} axis", ["x", "y", "z"][axis]), rect);
         boxes.push(rect);
-        reach = reach.max(distance + out[0].abs() * half[0] + out[1].abs() * half[1]);
+        reach = reach.max(own);
     }
     if boxes.is_empty() {
         return layout.leave_out(&format!("numbers of the {} axis", ["x", "y", "z"][axis]));
@@ -150,15 +147,49 @@ fn add_numbers(
     for share in [0.5, 0.4, 0.6, 0.25, 0.75] {
         let at = [0, 1].map(|k| p[k] + (q[k] - p[k]) * share + out[k] * distance);
         let rect = [at[0] - half[0], at[1] - half[1], at[0] + half[0], at[1] + half[1]];
-        let inside = rect[0] >= 1.0
-            && rect[1] >= 1.0
-            && rect[2] <= layout.size[0] - 1.0
-            && rect[3] <= layout.size[1] - 1.0;
-        if inside && layout.placed.iter().all(|other| !overlap(&other.rect, &rect, em * 0.3)) {
+        if is_free(layout, &rect, em) {
             let place = [rect[0], rect[3]].map(f64::round);
             layout.overlay.text(&name, place, em, Direction::Right, layout.color);
             layout.keep("name of an axis", rect);
             return;
         }
+    }
+}
+
+/// The least distance between numbers, and from them to other things, in ems.
+const APART: f64 = 0.3;
+
+/// Whether a box is in the picture, apart from what is there.
+fn is_free(layout: &Layout, rect: &Rect, em: f64) -> bool {
+    let inside = rect[0] >= 1.0
+        && rect[1] >= 1.0
+        && rect[2] <= layout.size[0] - 1.0
+        && rect[3] <= layout.size[1] - 1.0;
+    inside && layout.placed.iter().all(|other| !overlap(&other.rect, rect, em * APART))
+}
+
+/// A number beside an edge.
+struct Number {
+    line: Line,
+    /// The ends of its mark.
+    at: [f64; 2],
+    end: [f64; 2],
+    rect: Rect,
+    /// How far it reaches beyond the marks.
+    reach: f64,
+}
+
+impl Number {
+    /// The number of a tick that is at a point of an edge, with its mark in the direction `out`.
+    fn of(tick: &Tick, at: [f64; 2], out: [f64; 2], em: f64) -> Self {
+        let end = [at[0] + out[0] * em * 0.45, at[1] + out[1] * em * 0.45];
+        let line = Line::new(&tick.label);
+        let half = [line.width * em * 0.5, em * CAP_HEIGHT * 0.5];
+        // The box of the label touches the line through the ends of the marks.
+        let aside = out[0].abs() * half[0] + out[1].abs() * half[1];
+        let distance = em * 0.25 + aside;
+        let center = [end[0] + out[0] * distance, end[1] + out[1] * distance];
+        let rect = [center[0] - half[0], center[1] - half[1], center[0] + half[0], center[1] + half[1]];
+        Self { line, at, end, rect, reach: distance + aside }
     }
 }

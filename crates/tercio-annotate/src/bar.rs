@@ -8,6 +8,7 @@ use std::sync::Arc;
 use tercio_mesh::color::srgb_to_linear;
 use tercio_scene::color_map::DataColors;
 
+use crate::annotation::sides_of;
 use crate::font::{ASCENT, CAP_HEIGHT, DESCENT, Direction, Line};
 use crate::layout::{Layout, Place, Rect, SHRINK, TextBlock};
 use crate::number::NumberFormat;
@@ -67,21 +68,25 @@ struct Parts {
 }
 
 impl ScalarBar {
-    /// Adds it to a picture, where it is called `name`.
-    pub fn add(&self, layout: &mut Layout, name: &str) {
-        let placed = if self.colors.categories.is_empty() {
+    /// Adds it to a picture, where it is called `name`. Returns its box; `None` if there is no room.
+    pub fn add(&self, layout: &mut Layout, name: &str) -> Option<Rect> {
+        let rect = if self.colors.categories.is_empty() {
             self.add_scale(layout, name)
         } else {
             self.add_list(layout, name)
-        };
-        match placed {
-            Some(rect) => layout.keep(name, rect),
-            None => layout.leave_out(name),
-        }
+        }?;
+        layout.keep(name, rect);
+        Some(rect)
+    }
+
+    /// The side at which it takes its room: one that lies across its border, too, and in a corner the one along which it is.
+    pub(crate) fn sides(&self) -> [Option<usize>; 2] {
+        let [beside, above] = sides_of(self.place);
+        if self.is_upright != self.is_across() { [beside, None] } else { [None, above] }
     }
 
     /// Whether it lies across the border at which it is: upright above or below the model, level beside it.
-    pub(crate) fn is_across(&self) -> bool {
+    fn is_across(&self) -> bool {
         let (at_side, at_end) = (is_border(self.place.x), is_border(self.place.y));
         if self.is_upright { at_end && !at_side } else { at_side && !at_end }
     }
@@ -147,7 +152,8 @@ impl ScalarBar {
                 return None;
             }
             let places = |distance: f64| (length / (em * distance)).floor() as usize + 1;
-            let ticks = self.ticks(places(2.8), places(CLOSE));
+            let ticks = self.with_room(self.ticks(places(2.8), places(CLOSE)), length, em);
+            let ticks = self.without_merged(ticks, length, em);
             let mut labels = widest(&ticks, em);
             if has_nan {
                 labels = labels.max(Line::new(NO_DATA).width * em);
@@ -180,8 +186,11 @@ impl ScalarBar {
         }
         // As many labels as there is room for.
         let mut most = (length / (em * 3.0)).floor() as usize + 1;
-        let ticks = loop {
-            let ticks = self.ticks(most, most);
+        let mut ticks = loop {
+            let mut ticks = self.ticks(most, most);
+            if self.has_own_values() {
+                ticks = self.with_room(ticks, length, em);
+            }
             if self.have_room(&ticks, length, em) {
                 break ticks;
             }
@@ -197,10 +206,14 @@ impl ScalarBar {
         let all = length + ends + nan + 2.0 * beyond;
         if all > room[0] {
             length -= (all - room[0]).ceil();
+            if self.has_own_values() {
+                ticks = self.with_room(ticks, length, em);
+            }
             if length < em * 3.0 || !self.have_room(&ticks, length, em) {
                 return None;
             }
         }
+        let ticks = self.without_merged(ticks, length, em);
         let title = (!title.is_empty()).then(|| TextBlock::fit(title, em, room[0], 2));
         let above = title.as_ref().map_or(0.0, |title| title.size[1] + em * 0.3);
         let width =
@@ -215,18 +228,6 @@ impl ScalarBar {
             thickness,
             has_nan,
             size,
-        })
-    }
-
-    /// Whether labels of a level bar do not touch each other.
-    fn have_room(&self, ticks: &[Tick], length: f64, em: f64) -> bool {
-        let mut end = f64::NEG_INFINITY;
-        labelled(ticks).all(|tick| {
-            let half = Line::new(&tick.label).width * em * 0.5;
-            let middle = self.colors.position(tick.value) * length;
-            let fits = middle - half >= end;
-            end = middle + half + em * 0.6;
-            fits
         })
     }
 

@@ -1,7 +1,7 @@
 //! A line of a round length, in the units of the model.
 
 use crate::font::{ASCENT, DESCENT, Direction, Line};
-use crate::layout::{Layout, Place};
+use crate::layout::{Layout, Place, Rect};
 use crate::number;
 use crate::overlay::Paint;
 use crate::project::Projector;
@@ -32,23 +32,50 @@ pub fn round_length(pixels_per_unit: f64, most: f64) -> Option<ScaleLength> {
     Some(ScaleLength { units, pixels: units * pixels_per_unit })
 }
 
-/// Adds a scale bar; `unit` is written behind the number. Returns the length, which is true everywhere for an orthographic camera, and
-/// for one with perspective in the plane through its target.
-pub fn add(layout: &mut Layout, projector: &Projector, unit: &str, place: Place) -> Option<ScaleLength> {
+/// What it is called in reports.
+pub(crate) const WHAT: &str = "scale bar";
+
+/// Lengths of the longest line that are tried, as shares of the picture's width.
+const SHARES: [f64; 3] = [LONGEST, 0.18, 0.12];
+/// Numbers that are about as long as any other round length; where they have no room, a short one.
+const NUMBERS: [&str; 3] = ["500000", "5×10⁻¹²", "50"];
+
+/// The sizes of boxes that have room for a scale bar of any camera, the largest first.
+pub(crate) fn sizes(layout: &Layout, unit: &str) -> Vec<[f64; 2]> {
+    let width = |number: &&str| Line::new(format!("{number} {unit}").trim_end()).width * layout.em;
+    let [long, power, short] = [0, 1, 2].map(|k| width(&NUMBERS[k]));
+    let of_share = |share: f64, text: f64| (layout.size[0] * share + layout.line).max(text).ceil();
+    let wide = SHARES.map(|share| of_share(share, long.max(power)));
+    wide.into_iter().chain([of_share(SHARES[2], short)]).map(|width| [width, height(layout.em)]).collect()
+}
+
+fn height(em: f64) -> f64 {
+    (em * (ASCENT + DESCENT + 0.65)).ceil()
+}
+
+/// Draws a scale bar in a box of one of the [`sizes`]; `unit` is written behind the number. Returns the length, which is true everywhere
+/// for an orthographic camera, and for one with perspective in the plane through its target.
+pub(crate) fn draw(
+    layout: &mut Layout,
+    projector: &Projector,
+    unit: &str,
+    place: Place,
+    slot: Rect,
+) -> Option<ScaleLength> {
     let (em, w) = (layout.em, layout.line);
-    let length = round_length(projector.pixels_per_unit(), layout.size[0] * LONGEST);
-    let found = length.and_then(|length| {
+    let most = (layout.size[0] * LONGEST).min(slot[2] - slot[0] - w);
+    let found = round_length(projector.pixels_per_unit(), most).and_then(|length| {
         let text = format!("{} {unit}", number::general(length.units, 6));
         let line = Line::new(text.trim_end());
         let width = (length.pixels + w).max(line.width * em).ceil();
-        let height = (em * (ASCENT + DESCENT + 0.65)).ceil();
-        layout.find([width, height], place).map(|rect| (length, line, rect))
+        let left = (slot[0] + (slot[2] - slot[0] - width) * place.x).round();
+        (left >= slot[0]).then_some((length, line, [left, slot[1], left + width, slot[3]]))
     });
     let Some((length, line, rect)) = found else {
-        layout.leave_out("scale bar");
+        layout.leave_out(WHAT);
         return None;
     };
-    layout.keep("scale bar", rect);
+    layout.keep(WHAT, rect);
     let color = layout.color;
     let middle = (rect[0] + rect[2]) * 0.5;
     let baseline = rect[1] + em * ASCENT;

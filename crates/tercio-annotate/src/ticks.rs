@@ -209,6 +209,11 @@ fn of_digit(value: f64, is_plain: bool, format: NumberFormat) -> String {
     }
 }
 
+/// Whether a number is a power of ten.
+pub(crate) fn is_power_of_ten(value: f64) -> bool {
+    value == tens(exponent_of(value))
+}
+
 fn tens(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::NAN)
 }

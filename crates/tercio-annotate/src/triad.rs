@@ -4,7 +4,7 @@ use glam::DVec3;
 use tercio_mesh::trig::sin_cos_degrees;
 
 use crate::font::{CAP_HEIGHT, Direction, Line};
-use crate::layout::{Layout, Place, Rect, overlap};
+use crate::layout::{Layout, Rect, overlap};
 use crate::outline::Outline;
 use crate::overlay::Paint;
 use crate::project::Projector;
@@ -147,17 +147,16 @@ const TURN: f64 = 15.0;
 /// The largest distance of a name from the origin of the axes, in ems.
 const FARTHEST: f64 = LENGTH + 0.5;
 
-/// Adds the axes to a picture.
-pub fn add(layout: &mut Layout, projector: &Projector, place: Place) {
+/// The size of the box of the axes; `None` where they were most of the picture, so that the model would have no room.
+pub(crate) fn size(layout: &Layout) -> Option<[f64; 2]> {
+    let side = (layout.em * HALF * 2.0).ceil();
+    (side <= layout.size[0].min(layout.size[1]) * 0.6).then_some([side, side])
+}
+
+/// Draws the axes in a box of that size.
+pub(crate) fn draw(layout: &mut Layout, projector: &Projector, rect: Rect) {
     let em = layout.em;
-    let side = (em * HALF * 2.0).ceil();
-    // Where they were most of the picture, the model would have no room.
-    let is_large = side > layout.size[0].min(layout.size[1]) * 0.6;
-    let Some(rect) = layout.find([side, side], place).filter(|_| !is_large) else {
-        return layout.leave_out("axes");
-    };
-    layout.keep("axes", rect);
-    let middle = [rect[0] + side * 0.5, rect[1] + side * 0.5];
+    let middle = [(rect[0] + rect[2]) * 0.5, (rect[1] + rect[3]) * 0.5];
     let arms = arms(projector, em * LENGTH);
     let is_dark = layout.color[1] > 0.4;
     let names = names(&arms, em);

@@ -267,7 +267,7 @@ fn bars_across_their_border_have_room_of_their_own() {
             let place = Place::named(name).expect("a place");
             let across = ScalarBar { place, is_upright, ..bar([-1.0, 2.0], Scale::Linear) };
             let annotation = Annotation { bars: vec![across], ..Annotation::default() };
-            let layout = annotation.fixed(size.0, size.1);
+            let layout = annotation.fixed(size.0, size.1).layout;
             let margins = annotation.margins(size.0, size.1);
             let [bar] = &layout.placed[..] else { panic!("{name} {size:?}: {:?}", layout.left_out) };
             let [w, h] = layout.size;
@@ -285,6 +285,7 @@ fn cut_text_is_reported() {
         let caption = Caption { text: text.into(), place: Place { x: 1.0, y: 0.0 }, size: 1.0 };
         Annotation { bars: vec![titled], captions: vec![caption], ..Annotation::default() }
             .fixed(size.0, size.1)
+            .layout
             .left_out
     };
     assert_eq!(of("Pressure", "Wing", (640, 480)), Vec::<String>::new());
@@ -331,7 +332,171 @@ fn marks_of_bars() {
         "0.1 0.7"
     );
     let annotation = Annotation { bars: vec![asked], ..Annotation::default() };
-    assert_eq!(annotation.fixed(640, 480).left_out, ["the mark 99 of bar, which is not in its range"]);
+    assert_eq!(annotation.fixed(640, 480).layout.left_out, ["the mark 99 of bar, which is not in its range"]);
+}
+
+/// Values that are given have their numbers where these do not touch each other; those that have no room are named, and keep their
+/// marks. This holds at any length, upright and level.
+#[test]
+fn given_numbers_do_not_lie_on_each_other() {
+    for (range, scale, values) in [
+        ([-1.0, 1.0], Scale::Linear, vec![0.0, 0.01, 0.5, 0.51]),
+        ([0.5, 3.0], Scale::Linear, vec![2.8, 2.85, 1.0, 2.0]),
+        ([1e-3, 1e6], Scale::Log, vec![1.0, 1.5, 2.0, 900.0, 1000.0]),
+    ] {
+        for (name, is_upright) in [("right", true), ("bottom", false), ("right", false), ("top", true)] {
+            for size in [(120, 90), (400, 300), (400, 400), (1024, 768)] {
+                let what = format!("{values:?} {name} {is_upright} {size:?}");
+                let place = Place::named(name).expect("a place");
+                let marks = Marks::At(values.clone());
+                let bar = ScalarBar { place, is_upright, marks, shows_nan: false, ..bar(range, scale) };
+                let annotation = Annotation { bars: vec![bar.clone()], ..Annotation::default() };
+                let left_out = annotation.fixed(size.0, size.1).layout.left_out;
+                let has_no_room = left_out == ["bar"];
+                assert!(
+                    has_no_room || left_out.contains(&"some numbers of bar".to_owned()),
+                    "{what}: {left_out:?}"
+                );
+            }
+            let bar = ScalarBar { is_upright, marks: Marks::At(values.clone()), ..bar(range, scale) };
+            for length in [20.0, 60.0, 150.0, 400.0] {
+                let all = bar.ticks(9, 9);
+                let marked = bar.with_room(all.clone(), length, 11.0);
+                assert!(bar.have_room(&marked, length, 11.0) && marked.len() == values.len(), "{marked:?}");
+                assert!(!bar.have_room(&all, length, 11.0), "{all:?}");
+                assert!(marked.iter().any(|tick| !tick.label.is_empty()));
+            }
+        }
+    }
+}
+
+/// Marks between the numbers of a short logarithmic bar would merge: there are none, or only powers of ten.
+#[test]
+fn marks_of_short_bars_do_not_merge() {
+    for range in [[1e-5, 30.0], [1.0, 1e3], [1e-300, 1e300]] {
+        let bar = bar(range, Scale::Log);
+        for length in [30.0, 90.0, 200.0, 2000.0] {
+            let ticks = bar.without_merged(bar.ticks(5, 5), length, 11.0);
+            let at: Vec<f64> = ticks.iter().map(|tick| bar.colors.position(tick.value) * length).collect();
+            assert!(
+                ticks.len() >= 2 && at.windows(2).all(|pair| pair[1] - pair[0] >= 2.9),
+                "{range:?}: {at:?}"
+            );
+        }
+    }
+    let bar = bar([1.0, 1e3], Scale::Log);
+    assert_eq!(
+        bar.without_merged(bar.ticks(5, 5), 400.0, 11.0).len(),
+        28,
+        "they are there where there is room"
+    );
+}
+
+/// Numbers of an axis that is short in the picture are fewer: none is skipped between two others, so that their distances become
+/// smaller with the distance from the eye, and nowhere larger again.
+#[test]
+fn numbers_of_a_short_axis_are_even() {
+    let mut seen = 0;
+    let bounds = [DVec3::new(-1.0, -1.0, -30.0), DVec3::new(1.0, 1.0, 2.0)];
+    for (turn, size) in (0..60).flat_map(|turn| [(200, 150), (400, 300), (900, 700)].map(|size| (turn, size)))
+    {
+        let (sin, cos) = sin_cos_degrees(f64::from(turn) - 30.0);
+        let eye = DVec3::new(sin * 9.0, 2.0, cos * 9.0);
+        let camera = camera(eye, Projection::Perspective { fov_y: 0.6 });
+        let annotation = Annotation { bounds: true, ..Annotation::default() };
+        let laid_out = check(&annotation, &annotation.make_room(&camera, size), size, bounds);
+        let of_axis = laid_out.placed.iter().filter(|placed| placed.what == "number of the z axis");
+        let centers: Vec<[f64; 2]> =
+            of_axis.map(|p| [(p.rect[0] + p.rect[2]) * 0.5, (p.rect[1] + p.rect[3]) * 0.5]).collect();
+        let steps: Vec<f64> = centers
+            .windows(2)
+            .map(|pair| [0, 1].map(|k| pair[1][k] - pair[0][k]))
+            .map(|[x, y]| (x * x + y * y).sqrt())
+            .collect();
+        assert!(steps.windows(2).all(|pair| pair[1] > pair[0] * 0.97), "{size:?} {turn}: {steps:?}");
+        seen += centers.len();
+    }
+    assert!(seen > 180, "{seen}");
+}
+
+/// The boxes of what is at a side or in a corner, and the room of the model.
+fn check_room(annotation: &Annotation, size: (u32, u32), camera: &Camera) -> LaidOut {
+    let bounds = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+    let laid_out = check(annotation, &annotation.make_room(camera, size), size, bounds);
+    let [left, top, right, bottom] = annotation.margins(size.0, size.1);
+    let room = [left, top, f64::from(size.0) - right, f64::from(size.1) - bottom];
+    // One pixel, because margins are rounded.
+    for placed in &laid_out.placed {
+        assert!(!overlap(&placed.rect, &room, -1.0), "{size:?}: {placed:?} lies on the model: {room:?}");
+    }
+    laid_out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    /// Whatever is at a side or in a corner, the model is framed beside it.
+    #[test]
+    fn the_model_is_beside_all_of_it(
+        size in sizes(), scale in 0.25f64..4.0, places in prop::collection::vec((0usize..9, "[a-z]{1,9}( [a-z]{1,9}){0,9}"), 0..5),
+        bar_place in 0usize..9, is_upright in any::<bool>(), flags in any::<[bool; 4]>(), axes in 0usize..9,
+        direction in any::<[i8; 3]>(),
+    ) {
+        let place = |number: usize| {
+            // What is in the middle of the picture lies on the model.
+            let name = Place::names().filter(|name| *name != "center").nth(number % 8).expect("a place");
+            Place::named(name).expect("a place")
+        };
+        let captions = places.into_iter().map(|(number, text)| Caption { text, place: place(number), size: 1.0 });
+        let bar = ScalarBar { place: place(bar_place), is_upright, ..bar([-1.0, 2.0], Scale::Linear) };
+        let annotation = Annotation {
+            captions: captions.collect(),
+            bars: if flags[0] { vec![bar] } else { vec![] },
+            axes: flags[1].then(|| place(axes)),
+            scale_bar: flags[2].then(|| (Place { x: 1.0, y: 1.0 }, "mm".into())),
+            text_scale: scale,
+            ..Annotation::default()
+        };
+        let eye = DVec3::from_array(direction.map(f64::from)) + DVec3::new(0.5, 0.25, 0.375);
+        let height = if flags[3] { 3.0 } else { 2e-5 };
+        check_room(&annotation, size, &camera(eye.normalize() * 7.0, Projection::Orthographic { height }));
+    }
+}
+
+/// A corner is in a strip that something else takes anyway, or at the side where it costs the model the least.
+#[test]
+fn corners_cost_the_model_little() {
+    let axes = Some(Place { x: 0.0, y: 1.0 });
+    let margins = |annotation: &Annotation, size: (u32, u32)| annotation.margins(size.0, size.1);
+    let alone = Annotation { axes, ..Annotation::default() };
+    let [left, top, right, bottom] = margins(&alone, (640, 480));
+    assert!(left > 60.0 && [top, right, bottom] == [0.0; 3], "the wider side of the picture");
+    let [left, _, _, bottom] = margins(&alone, (480, 640));
+    assert!(left == 0.0 && bottom > 60.0, "the higher one");
+    let text = Caption {
+        text: "a text that is beside the model".into(),
+        place: Place { x: 0.0, y: 0.5 },
+        size: 1.0,
+    };
+    let with_text = Annotation { captions: vec![text], axes, ..Annotation::default() };
+    let only_text = Annotation { axes: None, ..with_text.clone() };
+    assert_eq!(margins(&with_text, (480, 640)), margins(&only_text, (480, 640)), "in the strip of the text");
+}
+
+/// The scale bar of a low picture finds its room beside the scalar bar, and takes none from the model's height.
+#[test]
+fn scale_bars_find_room_beside_a_bar() {
+    for size in [(900, 160), (1200, 200), (400, 120)] {
+        let annotation = Annotation {
+            bars: vec![ScalarBar { shows_nan: false, ..bar([-1.0, 2.0], Scale::Linear) }],
+            scale_bar: Some((Place { x: 1.0, y: 1.0 }, "mm".into())),
+            ..Annotation::default()
+        };
+        let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
+        let laid_out = check_room(&annotation, size, &camera);
+        assert_eq!(laid_out.left_out, Vec::<String>::new(), "{size:?}");
+        assert!(laid_out.scale.is_some());
+        assert_eq!(annotation.room(size).1, size.1, "{size:?}");
+    }
 }
 
 /// Titles of bars side by side are apart.
@@ -340,7 +505,7 @@ fn titles_side_by_side_are_apart() {
     let titled = |title: &str| ScalarBar { title: title.into(), ..bar([-0.5, 0.5], Scale::Linear) };
     let annotation =
         Annotation { bars: vec![titled("height@point"), titled("Elevation")], ..Annotation::default() };
-    let layout = annotation.fixed(400, 240);
+    let layout = annotation.fixed(400, 240).layout;
     let [a, b] = &layout.placed[..] else { panic!("{:?}", layout.placed) };
     assert!(!overlap(&a.rect, &b.rect, layout.em * 0.9), "{a:?} {b:?}");
 }
@@ -364,7 +529,7 @@ fn small_pictures_have_room_for_the_model() {
         let (w, h) = (f64::from(size.0), f64::from(size.1));
         let room = [left, top, w - right, h - bottom];
         assert!(room[2] - room[0] >= w * 0.38 && room[3] - room[1] >= h * 0.38, "{size:?}: {room:?}");
-        let layout = annotation.fixed(size.0, size.1);
+        let layout = annotation.fixed(size.0, size.1).layout;
         for placed in &layout.placed {
             assert!(!overlap(&placed.rect, &room, -1.0), "{size:?}: {placed:?} lies on the model: {room:?}");
         }

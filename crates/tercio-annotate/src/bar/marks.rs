@@ -2,12 +2,20 @@
 
 use tercio_scene::color_map::Scale;
 
-use super::{Marks, Parts, ScalarBar};
+use super::{Marks, Parts, ScalarBar, labelled};
+use crate::font::Line;
 use crate::number::{self, NumberFormat, exponent_of};
 use crate::ticks::{self, Tick};
 
 /// Borders of more bands are no marks: it is hard to see them.
 const MOST_BORDERS: usize = 101;
+
+/// The least distance from the middle of a number to the next one above it, in ems.
+const ABOVE: f64 = 1.2;
+/// The least distance between a number and the next one beside it, in ems.
+const ASIDE: f64 = 0.6;
+/// The least distance of marks without numbers, in ems and in pixels: closer ones merge into an area.
+const APART: (f64, f64) = (0.25, 3.0);
 
 /// Marks of which only every second, third ... has a label if there are more than `most`.
 fn thinned(mut ticks: Vec<Tick>, most: usize) -> Vec<Tick> {
@@ -27,12 +35,12 @@ impl ScalarBar {
         let most = most.max(2);
         let asked = self.asked();
         if !asked.is_empty() {
-            let ticks = if matches!(self.marks, Marks::At(_)) {
-                self.alike(asked.iter().map(|&value| Tick { value, label: self.exactly(value) }).collect())
-            } else {
-                self.of_borders(&asked)
-            };
-            return thinned(ticks, most.max(most_close));
+            if self.has_own_values() {
+                // They may be anywhere: which of them have room is found one by one.
+                let as_given = |&value: &f64| Tick { value, label: self.exactly(value) };
+                return self.alike(asked.iter().map(as_given).collect());
+            }
+            return thinned(self.of_borders(&asked), most.max(most_close));
         }
         let borders = self.colors.boundaries();
         if !borders.is_empty() && borders.len() <= MOST_BORDERS {
@@ -50,6 +58,60 @@ impl ScalarBar {
             tick.label.is_empty() || last.replace(tick.label.clone()).as_ref() != Some(&tick.label)
         };
         ticks.into_iter().filter(is_new).collect()
+    }
+
+    /// Whether the values of the marks are given, and not chosen.
+    pub(super) fn has_own_values(&self) -> bool {
+        matches!(self.marks, Marks::At(_))
+    }
+
+    /// Half of what a number takes of the bar's length, with its distance from the next one.
+    fn half(&self, tick: &Tick, em: f64) -> f64 {
+        em * 0.5 * if self.is_upright { ABOVE } else { Line::new(&tick.label).width + ASIDE }
+    }
+
+    /// Whether numbers do not touch each other on colours of this length.
+    pub(crate) fn have_room(&self, ticks: &[Tick], length: f64, em: f64) -> bool {
+        let mut end = f64::NEG_INFINITY;
+        labelled(ticks).all(|tick| {
+            let (middle, half) = (self.colors.position(tick.value) * length, self.half(tick, em));
+            let fits = middle - half >= end;
+            end = middle + half;
+            fits
+        })
+    }
+
+    /// Marks without those numbers that would touch the one before them.
+    pub(crate) fn with_room(&self, mut ticks: Vec<Tick>, length: f64, em: f64) -> Vec<Tick> {
+        let mut end = f64::NEG_INFINITY;
+        for tick in ticks.iter_mut().filter(|tick| !tick.label.is_empty()) {
+            let (middle, half) = (self.colors.position(tick.value) * length, self.half(tick, em));
+            if middle - half >= end {
+                end = middle + half;
+            } else {
+                tick.label.clear();
+            }
+        }
+        ticks
+    }
+
+    /// Marks without those between numbers, where they are so close that they merge: powers of ten remain the longest. Marks that
+    /// are asked for all remain.
+    pub(crate) fn without_merged(&self, mut ticks: Vec<Tick>, length: f64, em: f64) -> Vec<Tick> {
+        let least = (em * APART.0).max(APART.1);
+        let is_close = |ticks: &[Tick]| {
+            let at = |tick: &Tick| self.colors.position(tick.value) * length;
+            ticks.windows(2).any(|pair| at(&pair[1]) - at(&pair[0]) < least)
+        };
+        let is_power = |tick: &Tick| ticks::is_power_of_ten(tick.value);
+        let is_numbered = |tick: &Tick| !tick.label.is_empty();
+        if self.marks == Marks::Usual && is_close(&ticks) {
+            ticks.retain(|tick| is_numbered(tick) || is_power(tick));
+            if is_close(&ticks) {
+                ticks.retain(is_numbered);
+            }
+        }
+        ticks
     }
 
     /// A number as it was given.
