@@ -481,8 +481,13 @@ fn prepared() -> Vec<Vec<u8>> {
         triangles: FACES.map(|face| face.map(u32::from)).to_vec(),
         ..Mesh::default()
     };
-    let attribute =
-        |name: &str, domain| Attribute { name: name.into(), domain, values: vec![0.5; 4], offset: 0.0 };
+    let attribute = |name: &str, domain| Attribute {
+        name: name.into(),
+        domain,
+        values: vec![0.5; 4],
+        offset: 0.0,
+        component: None,
+    };
     let full = Mesh {
         normals: Some(CORNERS.map(OctNormal::encode).to_vec()),
         vertex_colors: Some(vec![[10, 20, 30, 255]; 4]),
