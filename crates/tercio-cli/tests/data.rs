@@ -128,10 +128,10 @@ fn what_every_format_has_can_be_named() {
         POINT_DATA 3\nNORMALS n float\n0 0 1 0 0.6 0.8 0 0 1\nTEXTURE_COORDINATES tc 2 float\n0 0 1 0 0 0.5\n";
     fs::write(place.path("a.vtk"), vtk).unwrap();
     let range = |file: &str, name: &str| {
-        let text =
-            place.run(&format!("render {file} -o a.png -q --size 20x20 --json --color-by {name}")).ok();
-        let text: serde_json::Value = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{e}: {text}"));
-        let range = &text["data"]["range"];
+        let arguments = format!("render {file} -o a.png -q --size 20x20 --stats s.json --color-by {name}");
+        place.run(&arguments).ok_silently();
+        let text: serde_json::Value = serde_json::from_slice(&place.read("s.json")).expect("JSON");
+        let range = &text["look"]["data"]["range"];
         [0, 1].map(|k| range[k].as_f64().unwrap_or_else(|| panic!("{file} {name}: {text}")))
     };
     for (file, name, [low, high]) in [
