@@ -71,7 +71,7 @@ impl Render {
         let display = Display::new(self.running.progress_mode());
         let of_series = self.survey(job, steps, &display)?;
         self.begin_pictures(job, &display);
-        let mut running = Running::new(self, job, &display)?;
+        let mut running = Running::new(self, steps, job, &display)?;
         let mut artist = Artist::new(job.drawers, self.ranks.now().map(|_| Default::default()));
         // The stages of loading are not shown: pictures are counted.
         let silent = Display::new(ProgressMode::Never);
