@@ -349,3 +349,22 @@ fn pictures_that_show_nothing_are_told_of() {
         .failed(1, &["nothing was drawn"]);
     assert_eq!(other.names(), ["model.off"]);
 }
+
+#[test]
+fn errors_of_names_say_what_there_is() {
+    let place = Place::new();
+    std::fs::copy(place.path("model.off"), place.path("b.off")).unwrap();
+    let known = ["there is no {foo}", "{frame}", "{view}", "{step}", "{time}", "{name}"];
+    for run in
+        ["model.off -o f_{foo}.png", "model.off b.off -o f_{foo}.png", "model.off b.off -o {name}_{foo}.png"]
+    {
+        place.run(run).failed(2, &known);
+    }
+    // A batch: each model has one picture.
+    let outcome = place.run("model.off b.off -o n_{frame}_{name}.png");
+    outcome.failed(2, &["of this model there is one", "without {name}", "--turntable"]);
+    assert!(!outcome.stderr.contains("or several models\n"), "{}", outcome.stderr);
+    place.run("model.off b.off -o n_{step}_{name}.png").failed(2, &["{step}", "without {name}"]);
+    place.run(&format!("model.off -o a{{{{1}}}}.png {SMALL}")).ok_silently();
+    assert!(place.names().contains(&"a{1}.png".to_owned()));
+}

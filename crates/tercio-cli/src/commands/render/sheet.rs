@@ -75,7 +75,8 @@ impl Sheet {
             return Err(UsageError(text).into());
         }
         let mut render = self.render.clone();
-        let title = render.annotation.take_title();
+        let title = render.annotation.take_title().map(|text| title_of_sheet(&text)).transpose();
+        let title = title.map_err(UsageError)?;
         let (destination, format) = self.output(&render).map_err(UsageError)?;
         let models = render.listed()?;
         let groups = self.groups(&render, &models)?;
@@ -137,7 +138,7 @@ impl Sheet {
     /// Where the sheet is written.
     fn output(&self, render: &Render) -> Result<(Destination, PictureFormat), String> {
         let plan = render.writing.plan(&render.drawing, &render.stereo, false)?;
-        if plan.film.is_some() {
+        if plan.film.is_some() || plan.drawing.is_some() {
             return Err("a sheet is a picture: choose .png, .jpg, .webp or .ppm".into());
         }
         if !plan.arrays.is_empty() || plan.stats.is_some() || plan.outputs.color16 {
@@ -250,6 +251,15 @@ impl Sheet {
     }
 }
 
+/// The title of a sheet, which is that of all pictures together.
+fn title_of_sheet(text: &str) -> Result<String, String> {
+    let title = pattern::expand_text(text, &Names::default(), true);
+    title.map_err(|reason| match pattern::has_placeholders(text) {
+        true => format!("--title \"{text}\" is that of all pictures of the sheet together: what differs is said by --caption"),
+        false => reason,
+    })
+}
+
 /// Why a model could not be drawn, without its name, which is below the picture.
 fn reason(render: &Render, error: &anyhow::Error) -> String {
     let mut words = String::new();
@@ -293,7 +303,10 @@ fn prepared(mut groups: Vec<Group>, files: &Arc<NamedFiles>, display: &Display) 
             job.writing.files = Arc::clone(files);
         }
     }
+    Ok(groups)
+}
 
+impl Group {
     /// Draws all pictures onto the paper.
     fn draw(&self, paper: &Mutex<Paper>, display: &Display) -> Result<()> {
         let silent = Display::new(ProgressMode::Never);
@@ -303,10 +316,7 @@ fn prepared(mut groups: Vec<Group>, files: &Arc<NamedFiles>, display: &Display) 
             let mut loaded = render.load(job, &silent, None::<&mut mpi::Comm>)?;
             render.print_warnings(&loaded.reports);
             // All times have one camera.
-    Ok(groups)
-}
             loaded.cameras.clone_from(cameras.get_or_insert_with(|| loaded.cameras.clone()));
-impl Group {
             let mut artist = Artist::new(job.drawers, None);
             let mut spare = Frame::default();
             for (shot, cameras) in loaded.cameras.clone().iter().enumerate() {
