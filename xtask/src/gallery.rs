@@ -3,7 +3,7 @@
 use std::fs;
 
 use anyhow::{Context as _, Result, bail};
-use tercio_testkit::gallery::{changed, draw, entries, folder, page};
+use tercio_testkit::gallery::{changed, draw, entries, folder, page, replace};
 use tercio_testkit::workspace_root;
 
 use crate::process;
@@ -22,7 +22,7 @@ pub struct Arguments {
 /// Draws all pictures with the program as it is, and writes them and their page; or compares them with those that are kept.
 ///
 /// # Errors
-/// The program does not build, a command fails, or a picture has changed.
+/// The program does not build, a command fails, or a picture that was there has changed, which is written nevertheless.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let mut build = process::cargo();
     build.args(["build", "--package", "tercio-cli"]);
@@ -45,16 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.check {
         return if names.is_empty() { Ok(()) } else { bail!("changed: {}", names.join(", ")) };
     }
-    for name in &names {
-        println!("changed: {name}");
-        let (new, old) = (drawn.path().join(name), kept.join(name));
-        if new.is_file() {
-            fs::copy(&new, &old).with_context(|| old.display().to_string())?;
-        } else if old.is_file() {
-            fs::remove_file(&old).with_context(|| old.display().to_string())?;
-        }
-    }
+    names.iter().for_each(|name| println!("changed: {name}"));
+    let otherwise = replace(&names, drawn.path(), &kept).with_context(|| kept.display().to_string())?;
     fs::write(&page_file, page)?;
-    println!("{} pictures, {} changed", entries.len(), names.len());
-    Ok(())
+    println!("{} entries, {} changes", entries.len(), names.len());
+    if otherwise.is_empty() {
+        return Ok(());
+    }
+    // They are written: whoever wants them so keeps them.
+    bail!("pictures that were there are drawn otherwise now: {}", otherwise.join(", "))
 }

@@ -57,7 +57,7 @@ enum Command {
     Header,
     /// Draw the pictures of the README into docs/images/
     Figures,
-    /// Draw the pictures of docs/gallery.md, and write that page from docs/gallery.toml
+    /// Draw the pictures of docs/gallery.md, and write that page from docs/gallery.toml; fail when one that was there has changed
     Gallery(gallery::Arguments),
 }
 

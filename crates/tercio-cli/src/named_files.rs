@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
 
 use anyhow::{Context, Result};
 use tercio::image::{Destination, FileIdentity};
@@ -18,6 +19,7 @@ pub struct NamedFiles {
     written: Vec<(Named, Destination)>,
     /// Companions that no output replaces.
     checked: Mutex<HashSet<PathBuf>>,
+    newest_input: Option<SystemTime>,
 }
 
 #[derive(Debug)]
@@ -36,7 +38,13 @@ impl NamedFiles {
             Named { words: format!("{what} {}", path.display()), identity: FileIdentity::from_path(path) }
         };
         self.read.push(named);
+        self.newest_input = self.newest_input.max(output::modified(path));
         self
+    }
+
+    /// When the input that was changed last was changed, of those that are files.
+    pub fn newest_input(&self) -> Option<SystemTime> {
+        self.newest_input
     }
 
     /// Adds a model; one that is built in is no file.

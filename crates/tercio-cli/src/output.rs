@@ -2,6 +2,8 @@
 
 use std::fmt;
 use std::io::{self, Write};
+use std::path::Path;
+use std::time::SystemTime;
 
 use anyhow::{Context, Result, bail};
 use tercio::Loaded;
@@ -45,6 +47,12 @@ impl Array {
             Self::Normals => "--output-normals",
         }
     }
+}
+
+/// When a file was changed last; `None` of what is no file, or where the system does not say it.
+pub fn modified(path: &Path) -> Option<SystemTime> {
+    let found = std::fs::metadata(path).ok()?;
+    if found.is_file() { found.modified().ok() } else { None }
 }
 
 /// Bytes of the planes of a frame.

@@ -2,13 +2,12 @@
 
 use std::fmt::Write;
 use std::io::{self, IsTerminal};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use tercio::mesh::Progress;
 
 use crate::args::ProgressMode;
@@ -23,13 +22,16 @@ const NEXT_LINE: Duration = Duration::from_secs(1);
 /// The stage of a series of pictures.
 const PICTURES: &str = "pictures";
 
+/// Shows progress until the work is done; knows since when pictures are counted.
+type Show = fn(&Progress, &OnceLock<Instant>, &Receiver<()>);
+
 /// Shows the progress until it is dropped; nothing if it would not be seen.
 #[derive(Debug)]
 pub struct Display {
     /// Updated by the work.
     pub progress: Arc<Progress>,
-    /// Whether pictures are counted, and stages inside of them are not shown.
-    counts_pictures: AtomicBool,
+    /// Since when pictures are counted, and stages inside of them are not shown.
+    pictures_since: Arc<OnceLock<Instant>>,
     shower: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -43,35 +45,36 @@ impl Display {
         let can_draw = io::stderr().is_terminal() && !is_dumb;
         let show = match mode {
             ProgressMode::Never => None,
-            _ if can_draw => Some(draw as fn(&Progress, &Receiver<()>)),
-            ProgressMode::Always => Some(write_lines as fn(&Progress, &Receiver<()>)),
+            _ if can_draw => Some(draw as Show),
+            ProgressMode::Always => Some(write_lines as Show),
             ProgressMode::Auto => None,
         };
+        let pictures_since = Arc::new(OnceLock::new());
         let shower = show.and_then(|show| {
             let (stop, stopped) = mpsc::channel();
-            let watched = Arc::clone(&progress);
+            let (watched, since) = (Arc::clone(&progress), Arc::clone(&pictures_since));
             let work = move || {
                 if waits(&stopped, SHOW_AFTER) {
-                    show(&watched, &stopped);
+                    show(&watched, &since, &stopped);
                 }
             };
             // If no thread can be started, there is no display, but the work goes on.
             Some((stop, thread::Builder::new().spawn(work).ok()?))
         });
-        Self { progress, counts_pictures: AtomicBool::new(false), shower }
+        Self { progress, pictures_since, shower }
     }
 
     /// Names the current stage, for work whose amount is unknown.
     pub fn stage(&self, name: &'static str) {
-        if !self.counts_pictures.load(Relaxed) {
+        if self.pictures_since.get().is_none() {
             self.progress.begin(name, 0);
         }
     }
 
     /// From now on so many finished pictures are counted, and nothing else.
     pub fn pictures(&self, count: u64) {
+        self.pictures_since.get_or_init(Instant::now);
         self.progress.begin(PICTURES, count);
-        self.counts_pictures.store(true, Relaxed);
     }
 }
 
@@ -81,7 +84,7 @@ fn waits(stopped: &Receiver<()>, time: Duration) -> bool {
 }
 
 /// A bar that is redrawn in place.
-fn draw(progress: &Progress, stopped: &Receiver<()>) {
+fn draw(progress: &Progress, _: &OnceLock<Instant>, stopped: &Receiver<()>) {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     loop {
         draw_once(&bar, progress.state());
@@ -124,19 +127,30 @@ fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) 
 }
 
 /// One line a second, for files and pipes.
-fn write_lines(progress: &Progress, stopped: &Receiver<()>) {
+fn write_lines(progress: &Progress, pictures_since: &OnceLock<Instant>, stopped: &Receiver<()>) {
     loop {
-        messages::note(&line(progress.state()));
+        let time = pictures_since.get().map(Instant::elapsed).unwrap_or_default();
+        messages::note(&line(progress.state(), time));
         if !waits(stopped, NEXT_LINE) {
             break;
         }
     }
 }
 
-fn line((stage, done, total): (&'static str, u64, u64)) -> String {
+/// One line; `time` is that since pictures are counted.
+fn line((stage, done, total): (&'static str, u64, u64), time: Duration) -> String {
     match total {
         0 => format!("progress: {stage}"),
-        _ if stage == PICTURES => format!("progress: {stage}, {done} of {total}"),
+        // There is no rate before the first one.
+        _ if stage == PICTURES && (done == 0 || time.is_zero()) => {
+            format!("progress: {stage}, {done} of {total}")
+        }
+        _ if stage == PICTURES => {
+            let each = time.as_secs_f64() / done as f64;
+            let left = Duration::try_from_secs_f64(each * total.saturating_sub(done) as f64);
+            let (rate, left) = (rate(1.0 / each), HumanDuration(left.unwrap_or(Duration::MAX)));
+            format!("progress: {stage}, {done} of {total}, {rate}, {left:#} left")
+        }
         _ => format!("progress: {stage}, {} %", u128::from(done.min(total)) * 100 / u128::from(total)),
     }
 }
@@ -153,13 +167,25 @@ impl Drop for Display {
 
 #[cfg(test)]
 mod tests {
-    use super::{line, rate};
+    use std::time::Duration;
+
+    use super::{PICTURES, line, rate};
 
     #[test]
     fn lines_show_the_share_that_is_done_if_it_is_known() {
+        let line = |state| line(state, Duration::ZERO);
         assert_eq!(line(("reading", 7, 0)), "progress: reading");
         assert_eq!(line(("parsing", 2, 3)), "progress: parsing, 66 %");
         assert_eq!(line(("parsing", u64::MAX, 3)), "progress: parsing, 100 %");
+    }
+
+    #[test]
+    fn lines_of_pictures_have_their_rate_and_the_time_that_is_left() {
+        let time = Duration::from_secs(8);
+        assert_eq!(line((PICTURES, 0, 60), time), "progress: pictures, 0 of 60");
+        assert_eq!(line((PICTURES, 40, 60), time), "progress: pictures, 40 of 60, 5.0/s, 4s left");
+        assert_eq!(line((PICTURES, 1, 46), time), "progress: pictures, 1 of 46, 0.12/s, 6m left");
+        assert_eq!(line((PICTURES, 60, 60), time), "progress: pictures, 60 of 60, 7.5/s, 0s left");
     }
 
     #[test]

@@ -30,6 +30,46 @@ const SHEET: [(&str, &str); 2] = [
     ("caption", "What is written below each picture, as {name} or {view}"),
 ];
 
+/// Groups of options that are only in the long help of the commands beside `render` and `sheet`.
+const LONG_GROUPS: [&str; 7] = [
+    "Running",
+    "Textures",
+    "Anti-aliasing",
+    "Tuning (the picture stays the same)",
+    "Ranks (the picture stays the same)",
+    "Camera",
+    "Random polygons",
+];
+
+/// Commands whose short help would not fit, each with single options that are only in its long help.
+const LONG: [(&str, &[&str]); 9] = [
+    ("bench", &["toss"]),
+    ("predict", &["tile_size", "sorting", "share_processors", "region", "blocks", "simulate"]),
+    ("advise", &["tile_size", "sorting"]),
+    ("validate", &["sorting", "clock"]),
+    ("workload", &[]),
+    ("calibrate", &[]),
+    ("ring", &[]),
+    ("sorting", &["region", "assignment", "unbatched"]),
+    ("hybris", &[]),
+];
+
+/// The command, and all that are part of it, with a short help that fits a screen; the long one has everything.
+fn shortened(command: Command) -> Command {
+    let command = command.mut_subcommands(shortened);
+    let Some((_, rest)) = LONG.iter().find(|(name, _)| *name == command.get_name()) else { return command };
+    let command = command.mut_args(|argument| {
+        let of_group = argument.get_help_heading().is_some_and(|heading| LONG_GROUPS.contains(&heading));
+        if argument.get_id() == "model" {
+            return in_short_help(argument, &RENDER);
+        }
+        let is_left_out = of_group || rest.iter().any(|id| argument.get_id() == id);
+        if is_left_out { argument.hide_short_help(true) } else { argument }
+    });
+    let remarks = command.get_after_help().cloned().unwrap_or_default();
+    command.after_help("--help lists all options; it has examples.").after_long_help(remarks)
+}
+
 /// An option in the short help, if it is `listed` there.
 fn in_short_help(argument: Arg, listed: &[(&str, &'static str)]) -> Arg {
     let text = listed.iter().find(|(id, _)| argument.get_id() == id).map(|(_, text)| *text);
@@ -74,10 +114,9 @@ pub fn with_short_help(program: Command) -> Command {
         let more = "--help lists all options: those of render, too; it has examples.";
         sheet.about(about).long_about(about).after_help(more).after_long_help(EXAMPLES)
     });
+    let program = program.mut_subcommands(shortened);
     program.mut_subcommand("render", |render| {
-        let render = render.mut_args(|argument| {
-            in_short_help(taking_numbers(argument), &RENDER)
-        });
+        let render = render.mut_args(|argument| in_short_help(taking_numbers(argument), &RENDER));
         // Examples are part of the long help.
         let examples = render.get_after_help().cloned().unwrap_or_default();
         let more = "--help lists all options: light, data, lines, annotation, clipping, series and films, several models, ranks, tuning; it has examples.";
@@ -124,12 +163,9 @@ mod tests {
     fn the_short_help_fits_a_screen_and_the_long_one_has_everything() {
         let mut program = crate::definition().term_width(80);
         program.build();
-        for name in ["render", "sheet"] {
-            let command = program.find_subcommand_mut(name).unwrap();
-            let short = command.render_help().to_string();
-            assert!(short.lines().count() <= 40, "{} lines:\n{short}", short.lines().count());
-            assert!(short.lines().all(|line| line.chars().count() <= 80), "{short}");
-        }
+        let mut seen = Vec::new();
+        check_short_help(&mut program, &mut seen);
+        assert_eq!(seen.len(), LONG.len(), "{seen:?}");
         let render = program.find_subcommand_mut("render").unwrap();
         let short = render.render_help().to_string();
         let long = render.render_long_help().to_string();
@@ -144,6 +180,32 @@ mod tests {
         }
         let sheet = program.find_subcommand("sheet").unwrap();
         assert!(SHEET.iter().all(|(id, _)| sheet.get_arguments().any(|a| a.get_id() == id)));
+    }
+
+    /// The short help of a command and of all its commands fits; each option of their short help is in the long one, which ends with
+    /// what a short one leaves out.
+    fn check_short_help(command: &mut Command, seen: &mut Vec<String>) {
+        let name = command.get_name().to_owned();
+        let (short, long) = (command.render_help().to_string(), command.render_long_help().to_string());
+        assert!(short.lines().count() <= 40, "{name}: {} lines:\n{short}", short.lines().count());
+        assert!(short.lines().all(|line| line.chars().count() <= 80), "{name}: {short}");
+        assert!(
+            long.contains("Exit code: ") || name == "help" || command.has_subcommands(),
+            "{name}: {long}"
+        );
+        if let Some((_, rest)) = LONG.iter().find(|(long, _)| *long == name) {
+            assert!(
+                rest.iter().all(|id| command.get_arguments().any(|a| a.get_id() == id)),
+                "{name}: {rest:?}"
+            );
+            assert!(!short.contains("--memory-limit") && !short.contains("--tile-size"), "{name}: {short}");
+            assert!(long.contains("Examples:"), "{name}: {long}");
+            seen.push(name);
+        }
+        command
+            .get_subcommands_mut()
+            .filter(|c| c.get_name() != "help")
+            .for_each(|c| check_short_help(c, seen));
     }
 
     /// What follows "tercio" in the examples of a command and its own commands; without pipes, redirections and remarks.

@@ -135,3 +135,20 @@ fn wrong_values_are_refused() {
     place.run(&format!("{plain} --output-ids i.npy --axes")).failed(2, &["add -o"]);
     assert!(!place.path("a.png").exists());
 }
+
+#[test]
+fn braces_in_texts_are_placeholders_or_doubled() {
+    let place = Place::new();
+    for text in ["--title {foo}", "--text top-right:{foo}"] {
+        let outcome = place.run(&format!("render model.off -o x.png {text}"));
+        outcome.failed(2, &["there is no {foo}", "{frame}", "{name}", "{time}", "{{"]);
+    }
+    let draw = |title: &str| {
+        place.run(&format!("render model.off -o x.png --size 160x120 --title {title}")).ok_silently();
+        place.read("x.png")
+    };
+    // One brace is drawn where two are written; a placeholder beside it changes nothing about that.
+    let doubled = draw("{{a}}");
+    assert!(doubled != draw("a") && doubled != draw("{{{{a}}}}"));
+    assert!(draw("{{model}}") == draw("{{{name}}}"));
+}

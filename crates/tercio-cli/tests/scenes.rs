@@ -340,6 +340,31 @@ fn a_saved_scene_draws_the_same_picture() {
     assert!(place.read("s_01.png") == step);
 }
 
+/// As a shell gives the files of a pattern, each by its name.
+#[test]
+fn a_saved_series_or_batch_has_the_models_that_are_in_every_picture() {
+    let place = blocks();
+    fs::create_dir(place.path("saved")).unwrap();
+    for (output, pictures) in
+        [("s_{}.png", ["s_0.png", "s_1.png"]), ("n_{name}.png", ["n_a.png", "n_model.png"])]
+    {
+        let run =
+            format!("a.ply model.off --color ivory --with b.ply;color=red -o {output} --size 64x48 --quiet");
+        place.run(&format!("{run} --save-scene saved/many.toml")).ok_silently();
+        let before = pictures.map(|name| place.read(name));
+        assert!(before[0] != before[1]);
+        pictures.iter().for_each(|name| fs::remove_file(place.path(name)).unwrap());
+        place.run("saved/many.toml --quiet").ok_silently();
+        assert!(pictures.map(|name| place.read(name)) == before);
+        // What is read is what is saved again.
+        let first = place.read("saved/many.toml");
+        place.run("saved/many.toml --quiet --save-scene saved/again.toml").ok_silently();
+        let text =
+            |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap().lines().skip(1).collect::<String>();
+        assert_eq!(text(&first), text(&place.read("saved/again.toml")));
+    }
+}
+
 #[test]
 fn the_command_line_wins_over_the_scene_and_that_over_the_configuration() {
     let place = blocks();
@@ -409,7 +434,13 @@ fn what_is_wrong_in_a_file_is_told_with_its_line() {
         ("[[model]]\nfile = 'a.ply'\nscale = 0\n", &["line 3: scale: ", "flat"]),
         ("[[model]]\nfile = 'a.ply'\n[[model.instance]]\nmode = 'edges'\n", &["line 4: mode: ", "instance"]),
         ("[[model]]\nfile = 'a.ply'\n[[model.instance]]\ncolor = true\n", &["line 4: color: "]),
-        ("models = 'a.ply'\n[[model]]\nfile = 'a.ply'\n", &["line 1: models: "]),
+        ("models = 'a.ply'\n[[model]]\nfile = 'a.ply'\n", &["line 1: models: ", "files = [...]"]),
+        ("[[model]]\nfile = ['a.ply', 'b.ply']\n", &["line 2: file: ", "files = [...]"]),
+        ("[[model]]\nfile = 'a.ply'\nfiles = ['b.ply']\n", &["line 3: files: ", "already"]),
+        (
+            "[[model]]\nfile = 'a.ply'\n[[model]]\nfiles = ['b.ply']\n",
+            &["line 4: files: ", "first [[model]]"],
+        ),
         ("config = 'x'\n[[model]]\nfile = 'a.ply'\n", &["line 1: config: ", "command line only"]),
         ("color = 'red'\nno-bar = 3\n", &["line 2: no-bar: ", "true or false"]),
         ("cmap = 'turbo'\ncolormap = 'turbo'\n", &["line 2: colormap: ", "twice"]),

@@ -182,6 +182,41 @@ fn a_series_that_was_killed_is_resumed() {
     }
 }
 
+/// Files that are there are those of this series only if no model was changed since.
+#[test]
+fn a_resumed_series_draws_again_what_is_older_than_its_inputs() {
+    let place = Place::new();
+    let later = |name: &str, seconds: u64| {
+        let file = std::fs::File::options().append(true).open(place.path(name)).unwrap();
+        file.set_modified(std::time::SystemTime::now() + Duration::from_secs(seconds)).unwrap();
+    };
+    let found = |run: &str| {
+        let stats = place.run(&format!("{run} {SMALL} --resume --stats -")).ok_silently();
+        let stats: serde_json::Value = serde_json::from_str(stats.text()).unwrap();
+        stats["pictures_found"].as_u64().unwrap()
+    };
+    std::fs::write(place.path("scene.toml"), "[[model]]\nfile = 'model.off'\n").unwrap();
+    for (run, input) in [
+        ("model.off -o t{}.png --turntable 3", "model.off"),
+        ("scene.toml -o s{}.png --turntable 3", "scene.toml"),
+    ] {
+        later("model.off", 0);
+        assert_eq!((found(run), found(run)), (0, 3), "{run}");
+        later(input, 60);
+        assert_eq!(found(run), 0, "{run}");
+    }
+    // A series of models: its camera and colours are those of all of them.
+    std::fs::copy(place.path("model.off"), place.path("b.off")).unwrap();
+    let run = "model.off b.off -o m{}.png";
+    later("model.off", 0);
+    assert_eq!((found(run), found(run)), (0, 2));
+    later("b.off", 60);
+    assert_eq!(found(run), 0);
+    // One picture was made since.
+    later("m1.png", 120);
+    assert_eq!(found(run), 1);
+}
+
 #[test]
 fn keyframes_are_passed_exactly() {
     let place = Place::new();
@@ -313,4 +348,23 @@ fn pictures_that_show_nothing_are_told_of() {
         .run("render model.off -o p{}.png --turntable 3 --size 64x48 --eye 0,0,5 --target 0,0,9")
         .failed(1, &["nothing was drawn"]);
     assert_eq!(other.names(), ["model.off"]);
+}
+
+#[test]
+fn errors_of_names_say_what_there_is() {
+    let place = Place::new();
+    std::fs::copy(place.path("model.off"), place.path("b.off")).unwrap();
+    let known = ["there is no {foo}", "{frame}", "{view}", "{step}", "{time}", "{name}"];
+    for run in
+        ["model.off -o f_{foo}.png", "model.off b.off -o f_{foo}.png", "model.off b.off -o {name}_{foo}.png"]
+    {
+        place.run(run).failed(2, &known);
+    }
+    // A batch: each model has one picture.
+    let outcome = place.run("model.off b.off -o n_{frame}_{name}.png");
+    outcome.failed(2, &["of this model there is one", "without {name}", "--turntable"]);
+    assert!(!outcome.stderr.contains("or several models\n"), "{}", outcome.stderr);
+    place.run("model.off b.off -o n_{step}_{name}.png").failed(2, &["{step}", "without {name}"]);
+    place.run(&format!("model.off -o a{{{{1}}}}.png {SMALL}")).ok_silently();
+    assert!(place.names().contains(&"a{1}.png".to_owned()));
 }

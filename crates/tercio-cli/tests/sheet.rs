@@ -170,3 +170,50 @@ fn what_makes_no_sheet_is_refused_before_models_are_read() {
     place.run("sheet model.off -o missing/a.png").failed(1, &["missing"]);
     assert_eq!(place.names(), ["model.off"]);
 }
+
+#[test]
+fn models_of_a_sheet_or_a_batch_share_a_range() {
+    let place = place_with(&["a.off", "b.off"]);
+    std::fs::write(place.path("c.off"), OCTAHEDRON.replacen("0 1 0", "0 3 0", 1)).unwrap();
+    let data = "--color-by @elevation --no-bar --background #ffffff";
+    let alone = |name: &str, range: &str| {
+        place.run(&format!("render {name}.off -o alone.png {data} {range} {CELL}")).ok_silently();
+        read(&place, "alone.png")
+    };
+    let sheet = |models: &str, over: &str| {
+        place.run(&format!("sheet {models} -o sheet.png {data} {over} {CELL}")).ok_silently();
+        read(&place, "sheet.png")
+    };
+    let has = |sheet: &_, part: &_| places(sheet, part).len() == 1;
+    let of_all = ["a", "c"].map(|name| alone(name, "--range=-1,3"));
+    let own = ["a", "c"].map(|name| alone(name, ""));
+    assert!(of_all[0] != own[0]);
+    for over in ["", "--range-over all"] {
+        let sheet = sheet("a.off c.off", over);
+        assert!(of_all.iter().all(|part| has(&sheet, part)), "{over}");
+    }
+    let each = sheet("a.off c.off", "--range-over each");
+    assert!(own.iter().all(|part| has(&each, part)));
+    let first = sheet("c.off a.off", "--range-over first");
+    assert!(of_all.iter().all(|part| has(&first, part)));
+    // Pictures of their own: only if that is asked for. One that cannot be read is reported as ever.
+    std::fs::write(place.path("bad.off"), "OFF\n").unwrap();
+    for (over, expected) in [("", &own), ("--range-over each", &own), ("--range-over all", &of_all)] {
+        let run = format!("render a.off c.off bad.off -o n_{{name}}.png {data} {over} {CELL}");
+        place.run(&run).failed(1, &["bad.off"]);
+        for (name, expected) in ["a", "c"].iter().zip(expected) {
+            assert!(read(&place, &format!("n_{name}.png")) == *expected, "{name} {over}");
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_about_a_sheet_is_told() {
+    let place = place_with(&["a.off", "b.off"]);
+    for name in ["s.svg", "s.pdf", "s.gif"] {
+        place.run(&format!("sheet a.off b.off -o {name}")).failed(2, &["a sheet is a picture", ".png"]);
+    }
+    place.run("sheet a.off -o s.png --stereo pair").failed(2, &["--stereo pair"]);
+    place.run("sheet a.off -o s.png --title {name}").failed(2, &["--title", "--caption"]);
+    place.run("sheet a.off -o s.png --title {foo}").failed(2, &["{foo}", "{time}"]);
+}

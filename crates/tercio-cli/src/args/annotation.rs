@@ -58,7 +58,7 @@ pub struct AnnotationArgs {
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
     /// A title above the picture's middle; \n begins a line, and {name}, {frame}, {view}, {step} and {time} (or {time:.2f}) stand for
-    /// what they do in the names of outputs.
+    /// what they do in the names of outputs; {{ and }} are braces.
     #[arg(long, value_name = "TEXT", value_parser = text, allow_hyphen_values = true)]
     title: Option<String>,
     /// A text in the picture, several times; PLACE as with --bar [default: top-left]; \n and placeholders as in --title.
@@ -185,12 +185,13 @@ impl AnnotationArgs {
         [color.unwrap_or_else(|| readable_on(ground)), ground]
     }
 
-    /// Whether texts differ from picture to picture.
-    pub fn has_placeholders(&self) -> bool {
-        self.title
-            .iter()
-            .chain(self.text.iter().map(|caption| &caption.text))
-            .any(|text| pattern::has_any(text))
+    /// Whether texts have placeholders to be filled in, or doubled braces that stand for braces.
+    pub fn has_braces(&self) -> bool {
+        self.texts().any(|text| text.contains(['{', '}']))
+    }
+
+    fn texts(&self) -> impl Iterator<Item = &String> {
+        self.title.iter().chain(self.text.iter().map(|caption| &caption.text))
     }
 
     /// Whether a text has a placeholder of this name.
@@ -204,8 +205,7 @@ impl AnnotationArgs {
     /// # Errors
     /// One sentence.
     pub fn check_texts(&self, names: &Names) -> Result<(), String> {
-        let texts = self.title.iter().chain(self.text.iter().map(|caption| &caption.text));
-        texts.map(|text| pattern::expand_text(text, names, true)).try_for_each(|text| text.map(drop))
+        self.texts().map(|text| pattern::expand_text(text, names, true)).try_for_each(|text| text.map(drop))
     }
 
     /// The planes that are needed.

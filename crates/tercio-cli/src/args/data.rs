@@ -83,9 +83,10 @@ pub struct DataArgs {
     categories: Option<Labels>,
     /// Whose values the range of a series of models covers, where it follows from the data: all of them are read before the first
     /// one is drawn, so that a colour means the same in all pictures; or only the first one; or each has its own. Likewise of
-    /// the models of one picture (--together) that are coloured alike.
-    #[arg(long, value_name = "STEPS", value_enum, default_value_t = RangeOver::All, requires = "color_by")]
-    range_over: RangeOver,
+    /// the models of one picture (--together) or of a batch that are coloured alike, and of all pictures of a sheet [default: all; of
+    /// a batch, each].
+    #[arg(long, value_name = "STEPS", value_enum, requires = "color_by")]
+    range_over: Option<RangeOver>,
     /// Of the series that the model belongs to.
     #[arg(skip)]
     of_series: Option<Statistics>,
@@ -359,7 +360,12 @@ impl DataArgs {
     pub fn range_over(&self) -> Option<RangeOver> {
         let is_given = |range: &Ends| matches!((range.low, range.high), (RangeEnd::At(_), RangeEnd::At(_)));
         let follows = self.is_given() && !self.range.as_ref().is_some_and(is_given);
-        follows.then_some(self.range_over)
+        follows.then_some(self.range_over.unwrap_or(RangeOver::All))
+    }
+
+    /// The same for models that have pictures of their own: their colours depend on each other only if that is asked for.
+    pub fn range_over_batch(&self) -> Option<RangeOver> {
+        self.range_over.and_then(|_| self.range_over()).filter(|over| *over != RangeOver::Each)
     }
 
     /// What the colours of an instance, and of its lines and points, depend on.

@@ -60,7 +60,8 @@ pub struct SeriesArgs {
     /// picture; or only the first one.
     #[arg(long, value_name = "STEPS", value_enum, default_value_t = FrameOver::All)]
     frame_over: FrameOver,
-    /// Draws only the pictures of a series whose files are not there or not whole, after an interrupted run of the same command.
+    /// Draws only the pictures of a series whose files are not there, not whole, or older than a file that they are drawn from (models,
+    /// scene file, camera path ...), after an interrupted run of the same command. Other options are not noticed.
     #[arg(long)]
     pub resume: bool,
     /// Draws again whenever the file of the model changes, until the program is interrupted.

@@ -35,8 +35,8 @@ pub struct WritingArgs {
     ///
     /// WebP is lossless, and a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
     /// edges or contours as vectors, cut where they are hidden. For series {frame} or {:04} in the name stands for the number of a
-    /// picture, {view} for its view, {step} for the number of its model, and {name} for the name of its model; a folder that is missing is
-    /// made for them. Films are .gif, .webp,
+    /// picture, {view} for its view, {step} for the number of its model, {time} for its time in a collection, and {name} for the name of
+    /// its model ({{ and }} are braces); a folder that is missing is made for them. Films are .gif, .webp,
     /// .apng, .y4m, and .mp4, .webm, .mkv and
     /// .mov, which need ffmpeg.
     #[arg(short, long, alias = "screenshot", value_name = "FILE")]
@@ -159,10 +159,22 @@ impl WritingArgs {
         Self { output, format, quality, stats, ..self.clone() }
     }
 
+    fn outputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let outputs = [&self.output, &self.output_depth, &self.output_ids, &self.output_normals];
+        outputs.into_iter().flatten()
+    }
+
+    /// Checks that there are the placeholders of the outputs' names.
+    ///
+    /// # Errors
+    /// One sentence, with what there is.
+    pub fn check_names(&self) -> Result<(), String> {
+        self.outputs().try_for_each(|path| pattern::check(path))
+    }
+
     /// Whether an output's name has this placeholder.
     pub fn has_placeholder(&self, name: &str) -> bool {
-        let outputs = [&self.output, &self.output_depth, &self.output_ids, &self.output_normals];
-        outputs.into_iter().flatten().any(|path| pattern::has(path, name))
+        self.outputs().any(|path| pattern::has(path, name))
     }
 
     /// Whether the output is a film.

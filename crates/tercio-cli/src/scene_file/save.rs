@@ -1,7 +1,7 @@
 //! `--save-scene`: the scene as a file.
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use tercio::mesh::color::srgb_bytes;
@@ -24,24 +24,26 @@ pub fn text(picture: &Settings, members: &[Member], to: &Path) -> Result<String>
         }
         Ok(Value::Text(utf8(paths::relative(path, folder).as_os_str())?))
     };
-    let several = members.iter().find(|member| member.files.len() > 1);
-    if let Some(member) = several {
-        if members.len() > 1 {
-            bail!("--save-scene: a scene file has no batches or series together with --with");
-        }
+    let names = |files: &[PathBuf]| -> Result<Value> {
+        Ok(Value::List(files.iter().map(|file| name(file)).collect::<Result<_>>()?))
+    };
+    match members {
         // The models of a batch or a series.
-        let files = member.files.iter().map(|file| name(file)).collect::<Result<_>>()?;
-        scene.settings.extend(settings(&member.settings, folder)?);
-        scene.settings.push(setting("models", Value::List(files)));
-    } else {
-        for member in members {
-            let mut table = ModelTable::default();
-            for file in &member.files {
-                table.settings.push(setting("file", name(file)?));
+        [Member { files, settings: of_models, placements }] if files.len() > 1 && placements.is_empty() => {
+            scene.settings.extend(settings(of_models, folder)?);
+            scene.settings.push(setting("models", names(files)?));
+        }
+        _ => {
+            for member in members {
+                let mut table = ModelTable::default();
+                table.settings.push(match &member.files[..] {
+                    [file] => setting("file", name(file)?),
+                    files => setting("files", names(files)?),
+                });
+                table.settings.extend(settings(&member.settings, folder)?);
+                table.instances = member.placements.iter().map(instance).collect();
+                scene.models.push(table);
             }
-            table.settings.extend(settings(&member.settings, folder)?);
-            table.instances = member.placements.iter().map(instance).collect();
-            scene.models.push(table);
         }
     }
     let version = env!("CARGO_PKG_VERSION");

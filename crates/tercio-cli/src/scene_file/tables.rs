@@ -95,7 +95,7 @@ pub fn read(path: &Path, definition: &mut Definition) -> Result<Scene> {
         if setting.key == "models" {
             if !scene.models.is_empty() {
                 return Err(
-                    source.wrong(setting, "there are [[model]] tables, too: name all models in one way")
+                    source.wrong(setting, "there are [[model]] tables, too: the files of a batch or a series are files = [...] in the first of them")
                 );
             }
             let files = names(&source, setting)?;
@@ -104,8 +104,8 @@ pub fn read(path: &Path, definition: &mut Definition) -> Result<Scene> {
         }
         source.add_any(setting, &mut settings, definition, &["models", "model"])?;
     }
-    for table in &scene.models {
-        members.push(member(&source, table, definition)?);
+    for (number, table) in scene.models.iter().enumerate() {
+        members.push(member(&source, table, number == 0, definition)?);
     }
     Ok(Scene { settings, members })
 }
@@ -122,17 +122,31 @@ fn names(source: &Source, setting: &Setting) -> Result<Vec<PathBuf>> {
     }
 }
 
-fn member(source: &Source, table: &ModelTable, definition: &mut Definition) -> Result<Member> {
+fn member(
+    source: &Source,
+    table: &ModelTable,
+    is_first: bool,
+    definition: &mut Definition,
+) -> Result<Member> {
     let mut member = Member::default();
     for setting in &table.settings {
-        if setting.key == "file" {
-            let [file] = &names(source, setting)?[..] else {
-                return Err(source.wrong(setting, "expected one file: each model has a table of its own"));
-            };
-            member.files = vec![file.clone()];
+        if let key @ ("file" | "files") = setting.key.as_str() {
+            let files = names(source, setting)?;
+            if key == "file" && files.len() > 1 {
+                let text = "expected one file: each model has a table of its own, and the files of a batch or a series are files = [...]";
+                return Err(source.wrong(setting, text));
+            }
+            if key == "files" && !is_first {
+                let text = "a batch or a series is that of the first [[model]]: the others are in each of its pictures, and have one file";
+                return Err(source.wrong(setting, text));
+            }
+            if !member.files.is_empty() {
+                return Err(source.wrong(setting, "the model has a file already"));
+            }
+            member.files = files;
             continue;
         }
-        let class = definition.class_or_like(&setting.key, &["file", "instance"]);
+        let class = definition.class_or_like(&setting.key, &["file", "files", "instance"]);
         if class.map_err(|reason| source.wrong(setting, &reason))? != Class::Model {
             let text = "is an option of the whole picture: it stands before the first [[model]]";
             return Err(source.wrong(setting, text));

@@ -19,6 +19,9 @@ pub struct Names {
 
 const KNOWN: [&str; 6] = ["", "frame", "view", "step", "name", "time"];
 
+/// What there is, for errors.
+const EXPECTED: &str = "expected {}, {frame}, {view}, {step}, {time} or {name}, numbers also as {:04}; {{ and }} stand for braces";
+
 /// A piece of a pattern.
 enum Piece<'a> {
     Text(&'a str),
@@ -91,9 +94,7 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
             })?,
         };
         if !KNOWN.contains(&name) {
-            return Err(format!(
-                "\"{text}\": there is no {{{name}}}: expected {{}}, {{frame}}, {{view}}, {{step}}, {{time}} or {{name}}, numbers also as {{:04}}"
-            ));
+            return Err(format!("\"{text}\": there is no {{{name}}}: {EXPECTED}"));
         }
         pieces.push(Piece::Place(name, form));
         rest = after;
@@ -111,9 +112,31 @@ pub fn has(path: &Path, name: &str) -> bool {
     })
 }
 
-/// Whether a text has any placeholder. Braces around anything else are part of it.
-pub fn has_any(text: &str) -> bool {
-    KNOWN.iter().any(|name| text.contains(&format!("{{{name}}}")) || text.contains(&format!("{{{name}:")))
+/// Whether a text differs from picture to picture; one with an error, which is reported when it is filled in, does not.
+pub fn has_placeholders(text: &str) -> bool {
+    pieces(text).is_ok_and(|pieces| pieces.iter().any(|piece| matches!(piece, Piece::Place(..))))
+}
+
+/// Whether the name of a file has what looks like a placeholder: a word in braces, known or not. Braces around anything else, as in
+/// `{1}`, are part of a name without placeholders and doubled braces.
+fn has_any(name: &str) -> bool {
+    let is_doubled = name.contains("{{") || name.contains("}}");
+    is_doubled
+        || name.split('{').skip(1).any(|behind| {
+            let rest = behind.trim_start_matches(|c: char| c.is_ascii_alphabetic() || c == '_');
+            rest.starts_with([':', '}'])
+        })
+}
+
+/// Checks that there are the placeholders of a name.
+///
+/// # Errors
+/// As [`expand`].
+pub fn check(path: &Path) -> Result<(), String> {
+    match path.to_str().filter(|text| has_any(text)) {
+        Some(text) => pieces(text).map(drop),
+        None => Ok(()),
+    }
 }
 
 /// The path with its placeholders filled in; what is not known stays as it is.
@@ -128,14 +151,11 @@ pub fn expand(path: &Path, names: &Names, is_last: bool) -> Result<PathBuf, Stri
     expand_text(text, names, is_last).map(PathBuf::from)
 }
 
-/// The text with its placeholders filled in; what is not known stays as it is, unless it `is_last`.
+/// The text with its placeholders filled in; what is not known stays as it is, unless it `is_last`. Doubled braces stand for braces.
 ///
 /// # Errors
 /// As [`expand`].
 pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, String> {
-    if !has_any(text) {
-        return Ok(text.to_owned());
-    }
     let mut out = String::new();
     for piece in pieces(text)? {
         match piece {
@@ -171,13 +191,15 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
 fn unknown(name: &str) -> &'static str {
     match name {
         "view" => "{view} needs --view",
-        "step" => "{step} numbers a series of models, and there is one model",
+        "step" => {
+            "{step} numbers the models of a series, and here is one: give several, without {name} in the output's name, or a collection of times (.pvd)"
+        }
         "name" => "{name} is the name of a model",
         "time" => {
-            "{time} is the time of the model in its collection (.pvd), or the number TimeValue or TIME in the field data of a VTK file, and it has none"
+            "{time} is the time of the model in its collection (.pvd; with {name} in the output's name, --time or --step choose one), or the number TimeValue or TIME in the field data of a VTK file, and it has none"
         }
         _ => {
-            "{frame} numbers a series of pictures, and there is one picture: give --turntable, --camera-path, several --view or several models"
+            "{frame} numbers the pictures of a series, and of this model there is one: give --turntable, --camera-path or several --view; or several models, without {name} in the output's name"
         }
     }
 }
@@ -226,9 +248,23 @@ mod tests {
         ] {
             assert_eq!(filled(pattern).as_deref(), Ok(expected));
         }
-        for bad in ["{}{other}", "{:x}.png", "{frame", "{}{", "{:99}", "{:.2}", "{time:x}", "{time:.}"] {
-            assert!(filled(bad).is_err() || bad == "{frame", "{bad}");
+        for bad in ["{}{other}", "{:x}.png", "{}{", "{:99}", "{:.2}", "{time:x}", "{time:.}", "f_{foo}.png"] {
+            assert!(filled(bad).is_err(), "{bad}");
         }
+        assert_eq!(filled("{frame").as_deref(), Ok("{frame"));
+        let error = filled("f_{foo:03}.png").unwrap_err();
+        assert!(["{foo}", "{frame}", "{name}", "{{"].iter().all(|word| error.contains(word)), "{error}");
+    }
+
+    /// In a text, unlike in the name of a file, braces are always those of placeholders.
+    #[test]
+    fn braces_in_texts_are_doubled() {
+        let filled = |text: &str| expand_text(text, &Names::default(), true);
+        assert_eq!(filled("{{foo}} a{{1}}").as_deref(), Ok("{foo} a{1}"));
+        for bad in ["{foo}", "{1}", "a { b", "}", "{}"] {
+            assert!(filled(bad).is_err(), "{bad}");
+        }
+        assert!(has_placeholders("{time:.2}") && !has_placeholders("a {{b}}"));
     }
 
     #[test]
@@ -239,6 +275,15 @@ mod tests {
         let path = expand(&path, &second, true).unwrap();
         assert_eq!(path, Path::new("a{b_005_top_{}a{b"));
         assert!(expand(Path::new("{view}.png"), &Names::default(), true).unwrap_err().contains("--view"));
+    }
+
+    #[test]
+    fn braces_in_names_of_models_stay() {
+        for model in ["a{b}", "a{1}", "}{"] {
+            let names = Names { name: Some(model.into()), ..Names::default() };
+            let path = expand(Path::new("{name}.png"), &names, false).unwrap();
+            assert_eq!(expand(&path, &Names::default(), true), Ok(format!("{model}.png").into()));
+        }
     }
 
     #[test]

@@ -3,20 +3,24 @@
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
+use std::time::SystemTime;
 
 use tercio::image::{Destination, PictureFormat};
 use tercio::vector::VectorFormat;
 
-use crate::output::{Array, Plan};
+use crate::output::{Array, Plan, modified};
 
-/// Whether all outputs of a picture are there, are of this size, and end as such files end. Files appear only when they are
-/// whole; this finds those of another command, or that something else has cut.
-pub fn is_there(plan: &Plan, size: (u32, u32)) -> bool {
+/// Whether all outputs of a picture are there, are of this size, end as such files end, and are not older than an input. Files
+/// appear only when they are whole; this finds those of another command or of other models, or that something else has cut.
+pub fn is_there(plan: &Plan, size: (u32, u32), newest_input: Option<SystemTime>) -> bool {
     let pictures = plan.picture.iter().flat_map(|(files, format)| files.iter().map(move |f| (f, *format)));
     let arrays = plan.arrays.iter().flat_map(|(files, array)| files.iter().map(move |f| (f, *array)));
     let of_file = |destination: &Destination, check: &dyn Fn(&Path) -> Option<bool>| match destination {
         Destination::Stdout => false,
-        Destination::File(path) => check(path).unwrap_or(false),
+        // Where the file system has no times, none is older.
+        Destination::File(path) => {
+            check(path).unwrap_or(false) && modified(path).is_none_or(|time| Some(time) >= newest_input)
+        }
     };
     let drawing = plan.drawing.as_ref();
     drawing.is_none_or(|(file, format)| of_file(file, &|path| is_drawing(path, *format, size)))

@@ -43,7 +43,7 @@ impl Render {
         let series = if self.is_in_bands(&job.writing.plan, job.drawers) {
             self.draw_in_bands(job, &mut loaded, display, &mut artist)?
         } else {
-            let mut running = Running::new(self, job, display)?;
+            let mut running = Running::new(self, &[], job, display)?;
             self.begin_pictures(job, display);
             running.draw(self, &mut loaded, 0, |loaded, camera, frame| {
                 self.draw_one(job, loaded, camera, display, &mut artist, frame)

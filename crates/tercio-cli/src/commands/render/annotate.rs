@@ -15,7 +15,7 @@ use crate::series::pattern::Names;
 pub(super) struct Annotated {
     /// With placeholders in its texts.
     pub annotation: Annotation,
-    /// What they stand for in every picture; empty if there are none.
+    /// What they stand for in every picture; empty if there are none, and no doubled braces.
     pub names: Vec<Names>,
     /// The number of the picture that is drawn.
     pub shot: usize,

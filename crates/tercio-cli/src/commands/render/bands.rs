@@ -34,10 +34,12 @@ impl Render {
         let writing = &job.writing;
         let mut series = Series { shots: Vec::new(), found: 0, output_milliseconds: 0.0, empty: None };
         let all: Vec<Cameras> = loaded.cameras.clone();
+        let resumes = self.series.resume;
+        let newest = if resumes { self.newest_input(&[]).max(loaded.newest_companion()) } else { None };
         for (number, (cameras, plan)) in all.iter().zip(&writing.pictures).enumerate() {
             loaded.annotated.shot = number;
             let loaded = &*loaded;
-            if self.series.resume && whole::is_there(plan, self.written_size()) {
+            if resumes && whole::is_there(plan, self.written_size(), newest) {
                 series.found += 1;
                 continue;
             }

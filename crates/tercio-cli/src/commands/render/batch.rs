@@ -1,5 +1,6 @@
 //! Many models with outputs of their own.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -14,6 +15,7 @@ use tercio::parallel::placement;
 
 use super::{Job, Render, Writing};
 use crate::args::ProgressMode;
+use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
@@ -54,11 +56,12 @@ impl Render {
             let writing = Writing { files: Arc::clone(&files), ..item.job.writing };
             Item { job: Job { writing, ..item.job }, ..item }
         };
-        let items: Vec<Item> = items.into_iter().map(with_files).collect();
+        let mut items: Vec<Item> = items.into_iter().map(with_files).collect();
         ending::name_model(format!("one of {} models", items.len()));
         let pool = self.running.pool()?;
         pool.install(|| self.check_companions(&files, models))?;
         let display = Display::new(self.running.progress_mode());
+        pool.install(|| share_colors(&mut items, &display))?;
         display.pictures(items.len() as u64);
         let failed = AtomicUsize::new(0);
         let draw = |item: &Item, threads: usize| {
@@ -133,6 +136,38 @@ impl Item {
         self.render.print_summary(&done);
         self.render.finish(&self.job, &done, threads, start)
     }
+}
+
+/// Gives models that are coloured alike one range, if that is asked for: they are read for that, one after the other.
+///
+/// # Errors
+/// [`UsageError`]: one that can be read only once. What else is wrong with a model is reported when it is drawn.
+fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
+    // The configuration may say something else of each model.
+    let mut shared: HashMap<String, Option<Survey>> = HashMap::new();
+    let key = |item: &Item| format!("{:?}", item.render.data);
+    for item in &*items {
+        let Some(over) = item.render.data.range_over_batch() else { continue };
+        let known = shared.entry(key(item)).or_default();
+        if over == RangeOver::First && known.is_some() {
+            continue;
+        }
+        let model = std::slice::from_ref(&item.render.model);
+        match item.render.survey_data_of(1, &item.job, model, display) {
+            Ok(own) => {
+                let all = known.take().unwrap_or_default();
+                *known = Some(own.colors.into_iter().fold(all, Survey::and));
+            }
+            Err(error) if error.is::<UsageError>() => return Err(error),
+            Err(_) => {}
+        }
+    }
+    for item in items {
+        if let Some(Some(colors)) = shared.get(&key(item)) {
+            item.render.data = item.render.data.of_series(colors);
+        }
+    }
+    Ok(())
 }
 
 /// Works on all items, on so many threads, each of which is a pool of its own: parallel work inside of an item runs on its thread,

@@ -1,13 +1,15 @@
 //! Material libraries and textures of several models.
 
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use anyhow::{Error, Result, anyhow};
 use tercio::mesh::io::{self, ReadReport};
 use tercio::{LoadOptions, texture_folders};
 
-use super::Render;
+use super::{Loaded, Render};
 use crate::named_files::NamedFiles;
+use crate::output::modified;
 
 impl Render {
     /// Checks, before any picture of several models is written, that none replaces a file of a model that is read later. The models
@@ -24,6 +26,14 @@ impl Render {
             files.check_companions(&model.display().to_string(), &companions(model, &options))?;
         }
         Ok(())
+    }
+}
+
+impl Loaded {
+    /// When a file that the models name was changed last.
+    pub(super) fn newest_companion(&self) -> Option<SystemTime> {
+        let companions = self.reports.iter().flat_map(|model| &model.report.read.companions);
+        companions.filter_map(|file| modified(file)).max()
     }
 }
 

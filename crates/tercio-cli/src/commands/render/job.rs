@@ -59,7 +59,7 @@ impl Render {
         };
         let mut series = None;
         if writes {
-            let mut running = Running::new(self, job, &display)?;
+            let mut running = Running::new(self, &[], job, &display)?;
             self.begin_pictures(job, &display);
             running.draw(self, &mut loaded, 0, &mut draw)?;
             series = Some(running.finish()?);

@@ -27,6 +27,7 @@ impl Render {
     /// # Errors
     /// Models that need names of their own; a collection of times that cannot be read.
     pub(super) fn models(&self) -> Result<Models> {
+        self.writing.check_names().map_err(UsageError)?;
         let mut models = self.listed()?;
         let is_batch = self.writing.has_placeholder("name");
         let of_steps = self.writing.has_placeholder("step") || self.writing.has_placeholder("time");

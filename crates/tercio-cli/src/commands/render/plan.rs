@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use anyhow::Result;
 use tercio::image::Destination;
@@ -218,12 +219,23 @@ impl Render {
         let files = film.iter().fold(files, |files, (destination, _)| files.writes("--output", destination));
         let files = stats.iter().fold(files, |files, destination| files.writes("--stats", destination));
         let files = job.writing.pictures.iter().fold(files, |files, plan| plan.named_files(files));
-        let files = self.ranks.named_files(files);
+        self.read_files(self.ranks.named_files(files))
+    }
+
+    /// The files that are read, added to `files`.
+    fn read_files(&self, files: NamedFiles) -> NamedFiles {
         let files = self.files_of_model().iter().fold(files, |files, m| files.reads_model(m));
         let files = self.others.iter().fold(files, |files, m| files.reads_model(&m.model.model));
         let files = self.members().fold(files, |files, member| member.data.named_files(files));
         let files = self.origin.named_files(files);
         self.series.named_files(self.environment.named_files(files))
+    }
+
+    /// When a file that these options name was changed last, and of a series one of the models of its `steps`.
+    pub(super) fn newest_input(&self, steps: &[ModelArgs]) -> Option<SystemTime> {
+        let files = self.read_files(NamedFiles::default());
+        let files = steps.iter().fold(files, |files, step| files.reads_model(&step.model));
+        files.newest_input()
     }
 
     /// The scene file that is written, added to `files`.

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::Result;
 use tercio::image::Picture;
@@ -13,6 +13,7 @@ use tercio::vector::Page;
 
 use super::vector::page_reason;
 use super::{Drawn, Job, Loaded, Render, Shot};
+use crate::args::ModelArgs;
 use crate::args::ranks::Drawers;
 use crate::args::stereo::StereoArgs;
 use crate::progress::Display;
@@ -99,14 +100,16 @@ pub(super) struct Running<'a> {
     series: Series,
     /// Whether others draw the same pictures together with this process: then all are drawn, even if they are not wanted any more.
     is_shared: bool,
+    /// With `--resume`, when the inputs were changed last.
+    newest_input: Option<SystemTime>,
 }
 
 impl<'a> Running<'a> {
-    /// Begins the outputs of a job.
+    /// Begins the outputs of a job, of a series of models if there are `steps`.
     ///
     /// # Errors
     /// The system's reason why a film cannot be written.
-    pub fn new(render: &'a Render, job: &'a Job, display: &'a Display) -> Result<Self> {
+    pub fn new(render: &'a Render, steps: &[ModelArgs], job: &'a Job, display: &'a Display) -> Result<Self> {
         let film = job.writing.film.as_ref().map(|film| film.begin()).transpose()?;
         let output = Output {
             job,
@@ -118,7 +121,8 @@ impl<'a> Running<'a> {
         };
         let series = Series { shots: Vec::new(), found: 0, output_milliseconds: 0.0, empty: None };
         let is_shared = matches!(job.drawers, Drawers::Mpi(_));
-        Ok(Self { output, room: render.room(job), series, is_shared })
+        let newest_input = if render.series.resume { render.newest_input(steps) } else { None };
+        Ok(Self { output, room: render.room(job), series, is_shared, newest_input })
     }
 
     /// Draws all shots of a model with `draw`, which gets the memory of another frame, and writes them; `first` is the number of
@@ -134,8 +138,11 @@ impl<'a> Running<'a> {
         mut draw: impl FnMut(&Loaded, &Camera, Frame) -> Result<Drawn>,
     ) -> Result<bool> {
         let (output, series, is_shared) = (&self.output, &mut self.series, self.is_shared);
+        let resumes = render.series.resume;
+        let newest = self.newest_input.max(if resumes { loaded.newest_companion() } else { None });
         let is_found = |shot: usize| {
-            render.series.resume && whole::is_there(&output.job.writing.pictures[shot], render.written_size())
+            let plan = &output.job.writing.pictures[shot];
+            resumes && whole::is_there(plan, render.written_size(), newest)
         };
         let all = first..first + loaded.cameras.len();
         let mut wanted = all.clone().filter(|&shot| !is_found(shot)).collect::<Vec<_>>().into_iter();

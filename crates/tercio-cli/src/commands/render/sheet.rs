@@ -17,6 +17,7 @@ use super::Render;
 use super::alone::Artist;
 use super::batch::{Item, side_by_side};
 use crate::args::annotation::{shown, text};
+use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
 use crate::args::series::Motion;
 use crate::args::{ModelArgs, ProgressMode};
@@ -74,7 +75,8 @@ impl Sheet {
             return Err(UsageError(text).into());
         }
         let mut render = self.render.clone();
-        let title = render.annotation.take_title();
+        let title = render.annotation.take_title().map(|text| title_of_sheet(&text)).transpose();
+        let title = title.map_err(UsageError)?;
         let (destination, format) = self.output(&render).map_err(UsageError)?;
         let models = render.listed()?;
         let groups = self.groups(&render, &models)?;
@@ -91,8 +93,7 @@ impl Sheet {
         paper.check_memory(render.running.memory_limit())?;
         pool.install(|| render.check_companions(&files, &models))?;
         let display = Display::new(render.running.progress_mode());
-        let prepare = |group: Group| group.prepared(&files, &display);
-        let groups: Vec<Group> = pool.install(|| groups.into_iter().map(prepare).collect());
+        let groups = pool.install(|| prepared(groups, &files, &display))?;
         display.pictures(count as u64);
         let (paper, failed) = (Mutex::new(paper), AtomicUsize::new(0));
         let draw = |group: &Group| {
@@ -137,7 +138,7 @@ impl Sheet {
     /// Where the sheet is written.
     fn output(&self, render: &Render) -> Result<(Destination, PictureFormat), String> {
         let plan = render.writing.plan(&render.drawing, &render.stereo, false)?;
-        if plan.film.is_some() {
+        if plan.film.is_some() || plan.drawing.is_some() {
             return Err("a sheet is a picture: choose .png, .jpg, .webp or .ppm".into());
         }
         if !plan.arrays.is_empty() || plan.stats.is_some() || plan.outputs.color16 {
@@ -252,6 +253,15 @@ impl Sheet {
     }
 }
 
+/// The title of a sheet, which is that of all pictures together.
+fn title_of_sheet(text: &str) -> Result<String, String> {
+    let title = pattern::expand_text(text, &Names::default(), true);
+    title.map_err(|reason| match pattern::has_placeholders(text) {
+        true => format!("--title \"{text}\" is that of all pictures of the sheet together: what differs is said by --caption"),
+        false => reason,
+    })
+}
+
 /// Why a model could not be drawn, without its name, which is below the picture.
 fn reason(render: &Render, error: &anyhow::Error) -> String {
     let mut words = String::new();
@@ -260,24 +270,45 @@ fn reason(render: &Render, error: &anyhow::Error) -> String {
     words.strip_prefix(&model).map_or_else(|| words.clone(), str::to_owned)
 }
 
-impl Group {
-    /// With all files of the run, and with what the colours of all times have in common.
-    fn prepared(mut self, files: &Arc<NamedFiles>, display: &Display) -> Self {
-        if self.steps.len() > 1 {
-            let models: Vec<ModelArgs> = self.steps.iter().map(|step| step.render.model.clone()).collect();
-            // An error in a model is reported when that is drawn.
-            if let Ok(of_series) = self.steps[0].render.survey(&self.steps[0].job, &models, display) {
-                for Item { render, .. } in &mut self.steps {
-                    *render = render.clone().of_series(&of_series);
-                }
-            }
+/// The models with all files of the run, and with what the colours of all pictures, and the cameras of all times of a model, have in
+/// common.
+///
+/// # Errors
+/// [`UsageError`]: that depends on models that can be read only once. What else is wrong with a model is reported when it is drawn.
+fn prepared(mut groups: Vec<Group>, files: &Arc<NamedFiles>, display: &Display) -> Result<Vec<Group>> {
+    let count: usize = groups.iter().map(|group| group.steps.len()).sum();
+    let over = groups.first().and_then(|group| group.steps[0].render.data.range_over());
+    // A single one has its own range.
+    let over = over.filter(|over| *over != RangeOver::Each && count > 1);
+    let (mut colors, mut all) = (None::<Survey>, Vec::new());
+    for (number, Group { steps, .. }) in groups.iter().enumerate() {
+        let models: Vec<ModelArgs> = steps.iter().map(|step| step.render.model.clone()).collect();
+        let with_data = match over {
+            Some(RangeOver::All) => models.len(),
+            Some(RangeOver::First) if number == 0 => 1,
+            _ => 0,
+        };
+        let of_series = steps[0].render.survey_data_of(with_data, &steps[0].job, &models, display);
+        let mut of_series = match of_series {
+            Err(error) if error.is::<UsageError>() => return Err(error),
+            of_series => of_series.unwrap_or_default(),
+        };
+        if let Some(own) = of_series.colors.take() {
+            colors = Some(colors.unwrap_or_default().and(own));
         }
-        for Item { job, .. } in &mut self.steps {
+        all.push(of_series);
+    }
+    for (group, mut of_series) in groups.iter_mut().zip(all) {
+        of_series.colors.clone_from(&colors);
+        for Item { render, job, .. } in &mut group.steps {
+            *render = render.clone().of_series(&of_series);
             job.writing.files = Arc::clone(files);
         }
-        self
     }
+    Ok(groups)
+}
 
+impl Group {
     /// Draws all pictures onto the paper.
     fn draw(&self, paper: &Mutex<Paper>, display: &Display) -> Result<()> {
         let silent = Display::new(ProgressMode::Never);

@@ -24,7 +24,7 @@ use crate::{ending, mpi, report};
 #[derive(Default)]
 pub(super) struct OfSeries {
     /// What their colours depend on, if they shall mean the same in all pictures.
-    colors: Option<Survey>,
+    pub colors: Option<Survey>,
     /// What the camera frames.
     outline: Option<Arc<Outline>>,
 }
@@ -71,7 +71,7 @@ impl Render {
         let display = Display::new(self.running.progress_mode());
         let of_series = self.survey(job, steps, &display)?;
         self.begin_pictures(job, &display);
-        let mut running = Running::new(self, job, &display)?;
+        let mut running = Running::new(self, steps, job, &display)?;
         let mut artist = Artist::new(job.drawers, self.ranks.now().map(|_| Default::default()));
         // The stages of loading are not shown: pictures are counted.
         let silent = Display::new(ProgressMode::Never);
@@ -110,6 +110,20 @@ impl Render {
         let count = |is_all: bool| if is_all { steps.len() } else { 1 };
         let with_data = self.data.range_over().filter(|over| *over != RangeOver::Each);
         let with_data = with_data.map_or(0, |over| count(over == RangeOver::All));
+        self.survey_data_of(with_data, job, steps, display)
+    }
+
+    /// [`Render::survey`], where the colours depend on the first `with_data` steps.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn survey_data_of(
+        &self,
+        with_data: usize,
+        job: &Job,
+        steps: &[ModelArgs],
+        display: &Display,
+    ) -> Result<OfSeries> {
         let frames_all = steps.len() > 1 && self.series.frames_all() && self.camera.frames_model();
         let mut framed = if frames_all { steps.len() } else { 0 };
         let once = |steps: &[ModelArgs]| steps.iter().find(|s| !s.can_be_read_again()).map(ModelArgs::name);
