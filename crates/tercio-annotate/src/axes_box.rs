@@ -123,8 +123,8 @@ fn add_numbers(
     let are_apart = |numbers: &Vec<Number>| {
         numbers.windows(2).all(|pair| !overlap(&pair[0].rect, &pair[1].rect, em * APART))
     };
-    let fewer = (2..=most.max(2)).rev().map(numbers);
-    let chosen = fewer.clone().find(are_apart).or_else(|| fewer.last()).unwrap_or_default();
+    let mut fewer = (2..=most.max(2)).rev().map(&numbers);
+    let chosen = fewer.find(are_apart).unwrap_or_else(|| numbers(2));
     let mut boxes: Vec<Rect> = Vec::new();
     let mut reach = 0.0f64;
     for Number { line, at, end, rect, reach: own } in chosen {
