@@ -331,6 +331,12 @@ fn marks_of_bars() {
         }),
         "0.1 0.7"
     );
+    let both = ScalarBar { marks: Marks::At(vec![11.0, 11.01, 99.0]), ..asked.clone() };
+    let annotation = Annotation { bars: vec![both], ..Annotation::default() };
+    assert_eq!(
+        annotation.fixed(640, 480).layout.left_out,
+        ["the mark 99 of bar, which is not in its range", "some numbers of bar"]
+    );
     let annotation = Annotation { bars: vec![asked], ..Annotation::default() };
     assert_eq!(annotation.fixed(640, 480).layout.left_out, ["the mark 99 of bar, which is not in its range"]);
 }

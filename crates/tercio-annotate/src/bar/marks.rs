@@ -146,14 +146,14 @@ impl ScalarBar {
     }
 
     /// What is missing of the marks that are asked for.
-    pub(super) fn unmarked(&self, parts: &Parts, name: &str) -> Option<String> {
-        if let Marks::At(values) = &self.marks
-            && let Some(value) = values.iter().find(|v| !self.has(**v))
-        {
-            return Some(format!("the mark {value} of {name}, which is not in its range"));
-        }
+    pub(super) fn unmarked(&self, parts: &Parts, name: &str) -> impl Iterator<Item = String> {
+        let outside = match &self.marks {
+            Marks::At(values) => values.iter().find(|value| !self.has(**value)),
+            _ => None,
+        };
+        let outside = outside.map(|value| format!("the mark {value} of {name}, which is not in its range"));
         let is_thinned = self.marks != Marks::Usual && parts.ticks.iter().any(|tick| tick.label.is_empty());
-        is_thinned.then(|| format!("some numbers of {name}"))
+        outside.into_iter().chain(is_thinned.then(|| format!("some numbers of {name}")))
     }
 
     /// The borders of bands, with as many digits as it takes to know them to a hundredth of a band.
