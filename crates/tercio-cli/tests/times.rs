@@ -158,10 +158,11 @@ fn texts_tell_time_step_and_name() {
     }
     let one = draw(&place, "run.pvd --step 1 --title {time}-{step}");
     assert!(one == draw(&place, "b.vtk --title 0.25-1"));
-    // A turntable counts, and other braces are text.
+    // A turntable counts, and doubled braces are text.
     place.run("render model.off -o s{}.png --turntable 2 --text {frame} --size 48x36 --quiet").ok_silently();
     assert!(place.read("s0.png") != place.read("s1.png"));
-    assert!(draw(&place, "b.vtk --title {x}") != draw(&place, "b.vtk"));
+    assert!(draw(&place, "b.vtk --title {{x}}") != draw(&place, "b.vtk"));
+    place.run("render b.vtk -o s.png --title {x}").failed(2, &["there is no {x}", "{time}"]);
     place.run("render b.vtk -o s.png --title {time}").failed(2, &["{time}", "collection"]);
     place.run("render b.vtk -o s.png --text {frame}").failed(2, &["{frame}"]);
     place.run("render run.pvd -o s{}.png --title {time:x}").failed(2, &["{time:x}"]);

@@ -192,14 +192,14 @@ fn unknown(name: &str) -> &'static str {
     match name {
         "view" => "{view} needs --view",
         "step" => {
-            "{step} numbers the models of a series, and here is one: give several, without {name} in the output's name, or a collection of times (.pvd)"
+            "{step} numbers a series of models, and here is one: give several, without {name} in the output's name, or a collection of times (.pvd)"
         }
         "name" => "{name} is the name of a model",
         "time" => {
             "{time} is the time of the model in its collection (.pvd; with {name} in the output's name, --time or --step choose one), or the number TimeValue or TIME in the field data of a VTK file, and it has none"
         }
         _ => {
-            "{frame} numbers the pictures of a series, and of this model there is one: give --turntable, --camera-path or several --view; or several models, without {name} in the output's name"
+            "{frame} numbers a series of pictures, and of this model there is one: give --turntable, --camera-path or several --view; or several models, without {name} in the output's name"
         }
     }
 }
