@@ -36,6 +36,8 @@ fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
             component: None,
         });
     }
+    let count = mesh.positions.len();
+    mesh.texcoords.get_or_insert_with(|| (0..count).map(|v| [0.5, (v % 7) as f32 * 0.25]).collect());
     mesh
 }
 
@@ -90,6 +92,8 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
             ),
         ),
         ("normal", mapped(DataSource::Normal(DVec3::Z), colors("gray"))),
+        ("coordinate", mapped(DataSource::Coordinate(1), colors("gray"))),
+        ("texture coordinate", mapped(DataSource::Texcoord(1), colors("turbo"))),
         (
             "faces",
             mapped(
