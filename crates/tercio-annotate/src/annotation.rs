@@ -15,8 +15,9 @@ use crate::{axes_box, floor, scale_bar, triad};
 
 mod margins;
 
+pub use margins::Shape;
 pub(crate) use margins::sides_of;
-use margins::{Claim, MOST_TAKEN, Room};
+use margins::{Claim, Framed, MOST_TAKEN, Margins, Room};
 
 /// What is drawn onto a picture, in the order in which it finds its room.
 #[derive(Clone, Debug)]
@@ -97,6 +98,7 @@ struct Fixed {
     axes: Option<Rect>,
     /// The largest box of the scale bar.
     scale_bar: Option<Rect>,
+    claims: Vec<Claim>,
     room: Room,
 }
 
@@ -171,23 +173,30 @@ impl Annotation {
         captions.chain(bars).chain(axes).chain(scale_bar).collect()
     }
 
-    /// What does not depend on the camera. Where the model would have too little room, the last of it is left out.
+    /// What does not depend on the camera. What would leave the model too little room, beside what is before it, is left out.
     fn fixed(&self, width: u32, height: u32) -> Fixed {
         let items = self.items();
-        let mut kept = items.len();
-        loop {
-            let mut fixed = self.with(&items[..kept], width, height);
-            // One thing is there even if it takes more.
-            if fixed.room.is_enough || kept < 2 {
-                items[kept..].iter().for_each(|item| fixed.layout.leave_out(&item.what()));
-                return fixed;
-            }
-            kept -= 1;
+        let all: Vec<&Item> = items.iter().collect();
+        let fixed = self.with(&all, width, height);
+        if fixed.room.is_enough {
+            return fixed;
         }
+        let (mut kept, mut left_out) = (Vec::new(), Vec::new());
+        for item in &items {
+            kept.push(item);
+            // One thing is there even if it takes more.
+            if kept.len() > 1 && !self.with(&kept, width, height).room.is_enough {
+                kept.pop();
+                left_out.push(item.what());
+            }
+        }
+        let mut fixed = self.with(&kept, width, height);
+        left_out.iter().for_each(|what| fixed.layout.leave_out(what));
+        fixed
     }
 
     /// The layout of some things alone.
-    fn with(&self, items: &[Item<'_>], width: u32, height: u32) -> Fixed {
+    fn with(&self, items: &[&Item<'_>], width: u32, height: u32) -> Fixed {
         let mut layout = Layout::new(width, height, self.text_scale, self.color);
         let (mut claims, mut axes, mut scale_bar) = (Vec::new(), None, None);
         for item in items {
@@ -210,38 +219,66 @@ impl Annotation {
             }
         }
         let room = margins::room(&claims, layout.size);
-        Fixed { layout, axes, scale_bar, room }
+        Fixed { layout, axes, scale_bar, claims, room }
     }
 
-    /// The margins, left, upper, right and lower, that all that is at a side or in a corner and the numbers of the box take from the
-    /// model, in pixels.
-    pub fn margins(&self, width: u32, height: u32) -> [f64; 4] {
-        let Fixed { layout, room, .. } = self.fixed(width, height);
-        let mut margins = room.margins;
-        let em = layout.em;
-        let of_box = if self.bounds { [4.5 * em, em, 2.0 * em, 2.8 * em] } else { [0.0; 4] };
-        for (a, b, size) in [(0, 2, layout.size[0]), (1, 3, layout.size[1])] {
-            let sum = of_box[a] + of_box[b];
+    /// The room that is left for what is framed: something of this shape, or of these, each in a picture of its own.
+    pub fn room(&self, (width, height): (u32, u32), shapes: &[Shape]) -> ModelRoom {
+        let Fixed { layout, claims, .. } = self.fixed(width, height);
+        let (size, em) = (layout.size, layout.em);
+        let beside = if self.bounds { [4.5 * em, em, 2.0 * em, 2.8 * em] } else { [0.0; 4] };
+        let mut margins = margins::room_for(&claims, size, &Framed { shapes, beside, gap: em * GAP }).margins;
+        for (a, b, size) in [(0, 2, size[0]), (1, 3, size[1])] {
+            let sum = beside[a] + beside[b];
             let left = (size * MOST_TAKEN - margins[a] - margins[b]).max(0.0);
             let factor = if sum > left { left / sum } else { 1.0 };
-            margins[a] = (margins[a] + of_box[a] * factor).round();
-            margins[b] = (margins[b] + of_box[b] * factor).round();
+            margins[a] = (margins[a] + beside[a] * factor).round();
+            margins[b] = (margins[b] + beside[b] * factor).round();
+            // Of very large pictures, the middle cannot move: then the model has less room, instead.
+            let most = (2.0 * FARTHEST - size).max(0.0);
+            (margins[a], margins[b]) = (margins[a].max(margins[b] - most), margins[b].max(margins[a] - most));
         }
-        margins
+        ModelRoom { size: (width, height), margins }
+    }
+}
+
+/// The farthest pixels from the line of sight that cameras can show.
+const FARTHEST: f64 = 32768.0;
+
+/// How far a model stays from what is in a corner of the picture, in text heights.
+const GAP: f64 = 0.5;
+
+/// The part of a picture in which a model is framed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelRoom {
+    size: (u32, u32),
+    margins: Margins,
+}
+
+impl ModelRoom {
+    /// All of a picture.
+    pub fn whole(size: (u32, u32)) -> Self {
+        Self { size, margins: [0.0; 4] }
     }
 
-    /// The size of the picture that is left for the model, for a camera that [`Annotation::make_room`] takes.
-    pub fn room(&self, (width, height): (u32, u32)) -> (u32, u32) {
-        let [left, top, right, bottom] = self.margins(width, height);
+    /// What annotation takes from the model at the left, above, at the right and below, in pixels.
+    pub fn margins(&self) -> [f64; 4] {
+        self.margins
+    }
+
+    /// Its width and height, for a camera that [`ModelRoom::place`] takes.
+    pub fn size(&self) -> (u32, u32) {
+        let [left, top, right, bottom] = self.margins;
         let inner = |size: u32, margins: f64| (f64::from(size) - margins).max(1.0) as u32;
-        (inner(width, left + right), inner(height, top + bottom))
+        (inner(self.size.0, left + right), inner(self.size.1, top + bottom))
     }
 
-    /// The camera of the whole picture that shows in its free part what `camera` shows in a picture of the size
-    /// [`Annotation::room`].
-    pub fn make_room(&self, camera: &Camera, (width, height): (u32, u32)) -> Camera {
-        let margins = self.margins(width, height);
-        if margins == [0.0; 4] { *camera } else { make_room(camera, f64::from(height), margins) }
+    /// The camera of the whole picture that shows in this part what `camera` shows in a picture of this [size](Self::size).
+    pub fn place(&self, camera: &Camera) -> Camera {
+        match self.margins == [0.0; 4] {
+            true => *camera,
+            false => make_room(camera, f64::from(self.size.1), self.margins),
+        }
     }
 }
 

@@ -5,11 +5,32 @@ use tercio_mesh::trig;
 use tercio_scene::camera::{CameraBasis, CameraError};
 use tercio_scene::{Camera, Projection};
 
+use crate::annotation::Shape;
+
 /// Sub-pixels, to whole numbers of which a camera's shift is rounded.
 const SUBPIXELS: f64 = 256.0;
 
 /// What of a line's length before the eye is left out, relative to its other end: what is nearer cannot be projected.
 const NEAREST: f64 = 1e-3;
+
+/// How far points are from the middle of the picture of a camera, at most: across and down, in pixels of a picture of this size; `None` if
+/// one is behind the eye, or none is beside the middle.
+///
+/// # Errors
+/// [`CameraError`].
+pub fn shape(
+    camera: &Camera,
+    (width, height): (u32, u32),
+    points: impl IntoIterator<Item = DVec3>,
+) -> Result<Option<Shape>, CameraError> {
+    let projector = Projector::new(camera, [width, height].map(f64::from))?;
+    let mut shape = [0.0f64; 2];
+    for point in points {
+        let Some(at) = projector.point(point) else { return Ok(None) };
+        shape = [0, 1].map(|k| shape[k].max((at[k] - projector.middle[k]).abs()));
+    }
+    Ok(Some(shape).filter(|shape| shape.iter().all(|half| *half > 0.0 && half.is_finite())))
+}
 
 /// A camera's view of the world.
 #[derive(Clone, Copy, Debug)]

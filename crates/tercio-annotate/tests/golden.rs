@@ -37,7 +37,7 @@ fn check(
     size: (u32, u32),
     paper: [u8; 4],
 ) {
-    let camera = annotation.make_room(camera, size);
+    let camera = annotation.room(size, &[[1.0; 2]]).place(camera);
     let laid_out = annotation.lay_out(&camera, size, bounds.map(DVec3::from), DVec3::Z).expect("a camera");
     assert_eq!(laid_out.left_out, Vec::<String>::new(), "{name}");
     let (width, height) = size;

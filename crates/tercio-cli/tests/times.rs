@@ -85,11 +85,20 @@ fn files_of_a_series_have_times_of_their_own() {
     titled("step_b.vtk", "0.25", "b.png");
     assert!((0..3).all(|n| place.read(&format!("own{n}.png")) == place.read(&format!("pvd{n}.png"))));
     assert!(place.read("own1.png") == place.read("b.png"));
-    place.run(&format!("sheet {steps} -o own.png --caption {{time}} --size 48x36")).ok_silently();
-    place.run("sheet run.pvd -o pvd.png --caption {time} --size 48x36 --frame-over all").ok_silently();
-    place.run(&format!("sheet {steps} -o other.png --caption {{name}} --size 48x36")).ok_silently();
-    assert!(place.read("own.png") != place.read("other.png"));
-    let none = ["TimeValue", "and it has none"];
+    // Of a sheet of files, each with a camera of its own, the captions.
+    for (file, time) in [("step_a.vtk", "0.1"), ("step_b.vtk", "0.25"), ("step_c.vtk", "0.3")] {
+        place.run(&format!("sheet {file} -o own.png --caption {{time}} --size 48x36")).ok_silently();
+        place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36")).ok_silently();
+        assert!(place.read("own.png") == place.read("text.png"), "{file}");
+    }
+    // What cannot be read stops no batch.
+    let batch =
+        place.run(&format!("render step_a.vtk missing.vtk step_b.vtk -o b_{{name}}_{{time}}.png {VIEW}"));
+    assert_eq!(batch.code, Some(1), "{}", batch.stderr);
+    assert!(batch.stderr.contains("missing.vtk"), "{}", batch.stderr);
+    assert!(place.read("b_step_a_0.1.png") == place.read("t0.1.png"));
+    assert!(place.read("b_step_b_0.25.png") == place.read("t0.25.png"));
+    let none = ["TimeValue", "and it has none (a)"];
     place.run(&format!("render a.vtk -o n.png --title {{time}} {VIEW}")).failed(2, &none);
 }
 

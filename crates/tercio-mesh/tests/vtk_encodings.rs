@@ -407,3 +407,25 @@ fn files_have_a_time() {
     let binary = [&b"# vtk DataFile Version 3.0\nt\nBINARY\nDATASET POLYDATA\nFIELD FieldData 1\nTimeValue 1 1 double\n"[..], &2.5f64.to_be_bytes(), b"\nPOINTS 0 float\n"].concat();
     assert_eq!(time(&binary), Ok(Some(2.5)));
 }
+
+/// Beside cells that are hidden there is an outside.
+#[test]
+fn hidden_cells_of_a_piece_hide_no_faces_of_another() {
+    let piece = |extent: &str, hidden: &str| {
+        let array =
+            format!("<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">{hidden}</DataArray>");
+        let array = if hidden.is_empty() { String::new() } else { array };
+        format!("<Piece Extent=\"{extent}\"><CellData>{array}</CellData></Piece>")
+    };
+    let triangles = |pieces: &[String]| {
+        let file =
+            format!("<VTKFile type=\"ImageData\"><ImageData>{}</ImageData></VTKFile>", pieces.concat());
+        try_read(file.as_bytes()).unwrap_or_else(|e| panic!("{e}")).mesh.triangles.len()
+    };
+    let first = piece("0 2 0 2 0 2", "");
+    assert_eq!(triangles(std::slice::from_ref(&first)), 48);
+    assert_eq!(triangles(&[first.clone(), piece("2 4 0 2 0 2", "")]), 80);
+    assert_eq!(triangles(&[first.clone(), piece("2 4 0 2 0 2", "32 32 32 32 32 32 32 32")]), 48);
+    // Half of the cells, which are open towards the other half.
+    assert_eq!(triangles(&[first, piece("2 4 0 2 0 2", "32 0 32 0 32 0 32 0")]), 48 + 2 * (4 + 4 + 8));
+}

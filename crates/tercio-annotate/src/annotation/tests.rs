@@ -11,6 +11,14 @@ use crate::layout::{Rect, overlap};
 mod numbers;
 mod room;
 
+/// A model that is as wide as high.
+const ROUND: &[Shape] = &[[1.0; 2]];
+
+/// What annotation takes from such a model.
+fn margins(annotation: &Annotation, size: (u32, u32)) -> [f64; 4] {
+    annotation.room(size, ROUND).margins()
+}
+
 fn camera(eye: DVec3, projection: Projection) -> Camera {
     Camera { eye, target: DVec3::ZERO, up: DVec3::Y, projection, near: None, shift: [0.0; 2] }
 }
@@ -159,7 +167,7 @@ fn several_bars_are_side_by_side() {
                 laid_out.placed.iter().all(|p| p.rect[1 - axis] == laid_out.placed[0].rect[1 - axis]),
                 "{name}"
             );
-            annotation.margins(size.0, size.1).iter().sum::<f64>()
+            margins(&annotation, size).iter().sum::<f64>()
         };
         let (single, double) = (margin(1), margin(2));
         assert!(double > 1.9 * single, "{name}: {single} {double}");
@@ -204,14 +212,15 @@ fn margins_move_the_camera() {
         ..Annotation::default()
     };
     let size = (800, 600);
-    let [left, top, right, bottom] = annotation.margins(size.0, size.1);
+    let [left, top, right, bottom] = margins(&annotation, size);
     assert!(right > 60.0 && top > 20.0 && left > 10.0 && bottom > 10.0);
-    let room = annotation.room(size);
+    let placed = annotation.room(size, ROUND);
+    let room = placed.size();
     assert_eq!(room, (800 - (left + right) as u32, 600 - (top + bottom) as u32));
     for projection in [Projection::Perspective { fov_y: 0.7 }, Projection::Orthographic { height: 5.0 }] {
         let camera = camera(DVec3::new(3.0, 2.0, 9.0), projection);
         let small = Projector::new(&camera, [f64::from(room.0), f64::from(room.1)]).expect("a camera");
-        let large = Projector::new(&annotation.make_room(&camera, size), [800.0, 600.0]).expect("a camera");
+        let large = Projector::new(&placed.place(&camera), [800.0, 600.0]).expect("a camera");
         for p in [DVec3::ZERO, DVec3::new(1.0, -0.5, 0.25), DVec3::new(-1.0, 1.0, 2.0)] {
             let (a, b) = (small.point(p).expect("seen"), large.point(p).expect("seen"));
             assert!((a[0] + left - b[0]).abs() < 0.01 && (a[1] + top - b[1]).abs() < 0.01, "{a:?} {b:?}");
@@ -271,7 +280,7 @@ fn bars_across_their_border_have_room_of_their_own() {
             let across = ScalarBar { place, is_upright, ..bar([-1.0, 2.0], Scale::Linear) };
             let annotation = Annotation { bars: vec![across], ..Annotation::default() };
             let layout = annotation.fixed(size.0, size.1).layout;
-            let margins = annotation.margins(size.0, size.1);
+            let margins = margins(&annotation, size);
             let [bar] = &layout.placed[..] else { panic!("{name} {size:?}: {:?}", layout.left_out) };
             let [w, h] = layout.size;
             let reach = [bar.rect[2], bar.rect[3], w - bar.rect[0], h - bar.rect[1]][side];

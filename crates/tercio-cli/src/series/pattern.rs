@@ -175,7 +175,11 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
                     // The names of files may have braces, too.
                     Some(filled) if !is_last => out.push_str(&filled.replace('{', "{{").replace('}', "}}")),
                     Some(filled) => out.push_str(&filled),
-                    None if is_last => return Err(format!("\"{text}\": {}", unknown(name))),
+                    None if is_last => {
+                        let model = names.name.as_ref().filter(|_| name == "time");
+                        let model = model.map_or_else(String::new, |model| format!(" ({model})"));
+                        return Err(format!("\"{text}\": {}{model}", unknown(name)));
+                    }
                     None if form.digits.is_some() => {
                         out.push_str(&format!("{{{name}:{width}.{}}}", form.digits.unwrap_or(0)));
                     }

@@ -32,6 +32,8 @@ const AXES: [&str; 4] = ["x", "y", "z", "w"];
 
 /// Does this name need normals?
 pub fn needs_normals(name: &str) -> bool {
+    let (name, _) = selected(name);
+    let name = own::meaning(name).unwrap_or(name);
     name == "@normal" || name.starts_with("@normal:")
 }
 

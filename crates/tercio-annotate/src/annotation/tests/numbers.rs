@@ -116,7 +116,7 @@ fn numbers_of_a_short_axis_are_even() {
         let eye = DVec3::new(sin * 9.0, 2.0, cos * 9.0);
         let camera = camera(eye, Projection::Perspective { fov_y: 0.6 });
         let annotation = Annotation { bounds: true, ..Annotation::default() };
-        let laid_out = check(&annotation, &annotation.make_room(&camera, size), size, bounds);
+        let laid_out = check(&annotation, &annotation.room(size, ROUND).place(&camera), size, bounds);
         let of_axis = laid_out.placed.iter().filter(|placed| placed.what == "number of the z axis");
         let centers: Vec<[f64; 2]> =
             of_axis.map(|p| [(p.rect[0] + p.rect[2]) * 0.5, (p.rect[1] + p.rect[3]) * 0.5]).collect();

@@ -1,7 +1,11 @@
 //! The cameras of all shots of a model.
 
 use anyhow::{Context, Result, bail};
-use tercio::annotate::Annotation;
+use tercio::annotate::annotation::{ModelRoom, Shape};
+use tercio::annotate::{Annotation, project};
+use tercio::glam::DVec3;
+use tercio::mesh::Aabb;
+use tercio::mesh::trig::sin_cos;
 use tercio::parallel::Communicator;
 use tercio::scene::{Camera, Framing, Scene};
 
@@ -26,7 +30,11 @@ impl Render {
     ) -> Result<Vec<Cameras>> {
         // Beside the annotation, where the camera is placed.
         let frames_model = options.frames_model() && !matches!(motion, Motion::Path(..));
-        let size = if frames_model { annotation.room(self.drawing.size) } else { self.drawing.size };
+        let room = match frames_model && !annotation.is_empty() {
+            true => annotation.room(self.drawing.size, &self.shapes(motion, options, &subject.bounds())?),
+            false => ModelRoom::whole(self.drawing.size),
+        };
+        let size = room.size();
         let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
             Ok(match &mut parts {
                 // All of the box has to be in the picture, not only the model.
@@ -73,10 +81,45 @@ impl Render {
         {
             bail!("{}: picture {number}: {error}", self.model.name());
         }
-        let with_room = |camera: Camera| {
-            if frames_model { annotation.make_room(&camera, self.drawing.size) } else { camera }
-        };
         let of_eyes = |camera| self.stereo.cameras(camera, self.camera.zoom());
-        cameras.into_iter().map(|c| of_eyes(with_room(c)).with_context(|| self.model.name())).collect()
+        cameras.into_iter().map(|c| of_eyes(room.place(&c)).with_context(|| self.model.name())).collect()
     }
+
+    /// The shapes of a model with this box, in the whole picture: of each view, or of a turntable from all round. Those of the box alone, so
+    /// that they are the same where each rank has a part of the model.
+    fn shapes(&self, motion: &Motion, options: &CameraArgs, bounds: &Aabb) -> Result<Vec<Shape>> {
+        let size = self.drawing.size;
+        let views: Vec<CameraArgs> = match motion {
+            Motion::Views(views) => views.iter().map(|&view| options.with_view(view)).collect(),
+            _ => vec![options.clone()],
+        };
+        let mut shapes = Vec::new();
+        for view in views {
+            let framing = view.framing(size);
+            let points = match motion {
+                Motion::Turntable(_) => around(bounds, framing.up_axis.front().up),
+                _ => bounds.corners().to_vec(),
+            };
+            let camera = view.camera_for_box(bounds, &framing);
+            let own = if bounds.is_empty() { None } else { project::shape(&camera, size, points)? };
+            shapes.push(own.unwrap_or([1.0; 2]));
+        }
+        Ok(shapes)
+    }
+}
+
+/// Points on the circles through the corners of a box, round its middle.
+fn around(bounds: &Aabb, up: DVec3) -> Vec<DVec3> {
+    const DIRECTIONS: u32 = 16;
+    let middle = bounds.center();
+    let offset = bounds.max - middle;
+    let height = up * up.dot(offset).abs();
+    let radius = (offset.length_squared() - height.length_squared()).max(0.0).sqrt();
+    let (right, back) = up.any_orthonormal_pair();
+    let at = |number: u32| {
+        let (sin, cos) = sin_cos(f64::from(number) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
+        let out = (right * cos + back * sin) * radius;
+        [middle + out - height, middle + out + height]
+    };
+    (0..DIRECTIONS).flat_map(at).collect()
 }

@@ -83,7 +83,7 @@ impl Render {
         if self.series.chooses_time() {
             moment = self.series.chosen(model, &self.times(model)?).map_err(UsageError)?;
         }
-        let time = if moment.is_none() { self.own_time(model)? } else { None };
+        let time = if moment.is_none() { self.own_time(model) } else { None };
         Ok(ModelArgs { model: model.into(), moment, time })
     }
 
@@ -94,7 +94,7 @@ impl Render {
         }
         let times = self.times(model)?;
         if times.is_empty() {
-            return Ok(vec![ModelArgs { time: self.own_time(model)?, ..ModelArgs::of(model) }]);
+            return Ok(vec![ModelArgs { time: self.own_time(model), ..ModelArgs::of(model) }]);
         }
         let moment =
             |(number, time)| ModelArgs { moment: Some(Moment { number, time }), ..ModelArgs::of(model) };
@@ -112,22 +112,21 @@ impl Render {
     }
 
     /// The time that a file of VTK has, if the name of an output or a text shows it.
-    fn own_time(&self, model: &Path) -> Result<Option<f64>> {
-        match self.writing.has_placeholder("time") || self.annotation.has_placeholder("time") {
-            true => self.time_of_file(model),
-            false => Ok(None),
-        }
+    fn own_time(&self, model: &Path) -> Option<f64> {
+        let is_shown = self.writing.has_placeholder("time") || self.annotation.has_placeholder("time");
+        if is_shown { self.time_of_file(model) } else { None }
     }
 
-    /// The time that a file has if it is one of VTK.
-    pub(super) fn time_of_file(&self, model: &Path) -> Result<Option<f64>> {
+    /// The time that a file has if it is one of VTK; NaN if it cannot be read, which is an error when it is drawn.
+    pub(super) fn time_of_file(&self, model: &Path) -> Option<f64> {
         let name = model.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let ending = name.strip_suffix(".gz").unwrap_or(&name).rsplit('.').next().unwrap_or_default();
         if !matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vts" | "vtr") {
-            return Ok(None);
+            return None;
         }
         let options = ReadOptions { memory_limit: self.running.memory_limit(), ..ReadOptions::default() };
-        Ok(vtk::time(&input::open(model, &options)?, &options)?)
+        let time = input::open(model, &options).and_then(|input| vtk::time(&input, &options));
+        time.unwrap_or(Some(f64::NAN))
     }
 
     /// These options for another model.

@@ -165,7 +165,7 @@ impl Sheet {
                 _ => render.steps_of(model)?,
             };
             let of_step = |step: &ModelArgs| {
-                let time = if shows_time { render.time_of_file(model)? } else { None };
+                let time = if shows_time { render.time_of_file(model) } else { None };
                 let mut of_step = render.with_model(&ModelArgs { time, ..step.clone() });
                 of_step.writing = of_step.writing.of_cell(motion.is_series());
                 Item::new(of_step)

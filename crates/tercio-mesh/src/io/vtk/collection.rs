@@ -4,8 +4,10 @@
 //! error if none is found. Of a series of times one is read, the first if none is chosen.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::dataset::{Extent, Job};
+use super::dataset::Job;
+use super::extents::Extents;
 use super::part::Part;
 use super::xml::tree::{Document, Element};
 use super::{looks_like_legacy, looks_like_xml, xml};
@@ -51,10 +53,10 @@ pub fn parts(job: &Job, document: &Document, found: &mut Found) -> Result<Vec<Pa
     job.begin("reading files", names.len() as u64);
     let path = |name: &str| base.join(companions::relative(name));
     // A face towards a piece that is missing is outside.
-    let extents: Vec<_> = extents(document).filter(|(name, _)| path(name).exists()).collect();
+    let there = xml::extents(document).into_iter().filter(|(name, _)| path(name).exists());
+    let extents: Arc<Extents> = Arc::new(there.map(|(_, extent)| extent).collect());
     for name in &names {
-        let others = extents.iter().filter(|(of, _)| of != name).map(|(_, extent)| *extent).collect();
-        parts.extend(one(job, &path(name), (name, others), found)?);
+        parts.extend(one(job, &path(name), (name, &extents), found)?);
         job.advance(1);
     }
     Ok(parts)
@@ -82,12 +84,6 @@ impl Found {
         self.warnings.push(format!("{files} of the model not found: {names}{dots}"));
         Ok(())
     }
-}
-
-/// The files that are the pieces of a grid, with their extents.
-fn extents(document: &Document) -> impl Iterator<Item = (&str, Extent)> {
-    let pieces = document.root.children.iter().flat_map(|child| child.children_named("Piece"));
-    pieces.filter_map(|piece| Some((piece.attribute("Source")?, xml::extent(piece)?)))
 }
 
 /// The names of files in a collection: those of the chosen time, and those of others.
@@ -157,7 +153,7 @@ pub fn times(root: &Element) -> Vec<f64> {
 fn one(
     job: &Job,
     path: &Path,
-    (name, other_extents): (&str, Vec<Extent>),
+    (name, extents): (&str, &Arc<Extents>),
     found: &mut Found,
 ) -> Result<Vec<Part>, ReadError> {
     let whole = || path.canonicalize().unwrap_or_else(|_| path.into());
@@ -192,7 +188,7 @@ fn one(
         found.companions.push(path.to_path_buf());
     }
     let mut inner = Job::new(&input, &options);
-    inner.other_extents = other_extents;
+    inner.extents = Arc::clone(extents);
     let before = found.held;
     found.open.push(whole());
     let parts = if looks_like_legacy(input.bytes()) {

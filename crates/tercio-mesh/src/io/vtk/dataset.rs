@@ -4,8 +4,9 @@ use std::collections::HashSet;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use super::extents::{Extents, Range3};
 use super::numbers::{Numbers, Scalar};
 use crate::ReadError;
 use crate::error::Place;
@@ -15,8 +16,8 @@ use crate::io::{ReadOptions, input::Input};
 pub struct Job<'a> {
     pub input: &'a Input,
     pub options: &'a ReadOptions<'a>,
-    /// The extents of the other files of a grid, if this is one of several.
-    pub other_extents: Vec<Extent>,
+    /// The extents of all pieces of a grid, if this is the file of one of them.
+    pub extents: Arc<Extents>,
     /// Bytes of memory taken.
     held: AtomicU64,
     warnings: Mutex<Warnings>,
@@ -39,7 +40,7 @@ impl<'a> Job<'a> {
     pub fn new(input: &'a Input, options: &'a ReadOptions<'a>) -> Self {
         let held = AtomicU64::new(input.held_bytes());
         let (warnings, counted) = (Mutex::default(), Mutex::default());
-        Self { input, options, other_extents: Vec::new(), held, warnings, counted }
+        Self { input, options, extents: Arc::default(), held, warnings, counted }
     }
 
     pub fn file(&self) -> &'a str {
@@ -281,45 +282,6 @@ pub enum Cells {
     Structured([u64; 3]),
 }
 
-/// The first and the last point of a piece of a grid along its axes, in the numbers of the whole grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Extent(pub [[i64; 2]; 3]);
-
-impl Extent {
-    /// Of six numbers: the first and the last one along each axis.
-    pub fn parse(text: &str) -> Option<Self> {
-        let numbers: Vec<i64> = text.split_whitespace().filter_map(|n| n.parse().ok()).collect();
-        let [x0, x1, y0, y1, z0, z1] = numbers[..] else { return None };
-        let extent = Self([[x0, x1], [y0, y1], [z0, z1]]);
-        extent.points().map(|_| extent)
-    }
-
-    /// Numbers of points along the axes.
-    pub fn points(&self) -> Option<[u64; 3]> {
-        let along = |[low, high]: [i64; 2]| u64::try_from(high.checked_sub(low)?.checked_add(1)?).ok();
-        let [x, y, z] = self.0.map(along);
-        Some([x?, y?, z?])
-    }
-
-    /// The cells, in numbers that count from the first point of another piece; `None` where they are too far away.
-    fn cells_from(&self, other: &Self) -> Option<Range3> {
-        let mut cells = [const { 0..0 }; 3];
-        for axis in 0..3 {
-            let ([low, high], [first, _]) = (self.0[axis], other.0[axis]);
-            cells[axis] = low.checked_sub(first)?..high.checked_sub(first)?;
-        }
-        Some(cells)
-    }
-
-    /// The cells of other pieces, in numbers that count from the first cell of this one.
-    pub fn beside<'b>(&self, others: impl Iterator<Item = &'b Self>) -> Vec<Range3> {
-        others.filter(|other| *other != self).filter_map(|other| other.cells_from(self)).collect()
-    }
-}
-
-/// Ranges along three axes.
-pub type Range3 = [Range<i64>; 3];
-
 /// One data set.
 pub struct DataSet<'a> {
     pub points: Points<'a>,
@@ -344,11 +306,12 @@ impl Cells {
     }
 }
 
+/// Names of arrays that say which cells and points are ghosts.
+pub const GHOSTS: [&str; 2] = ["vtkGhostType", "vtkGhostLevels"];
+
 impl<'a> Array<'a> {
     /// The array of this name whose numbers say which cells are ghosts.
     pub fn ghosts<'b>(arrays: &'b [Array<'a>]) -> Option<&'b Array<'a>> {
-        arrays
-            .iter()
-            .find(|a| matches!(a.name.as_str(), "vtkGhostType" | "vtkGhostLevels") && a.components == 1)
+        arrays.iter().find(|a| GHOSTS.contains(&a.name.as_str()) && a.components == 1)
     }
 }

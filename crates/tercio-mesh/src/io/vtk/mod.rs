@@ -11,6 +11,7 @@ mod build;
 mod cells;
 mod collection;
 mod dataset;
+mod extents;
 mod join;
 mod legacy;
 mod numbers;

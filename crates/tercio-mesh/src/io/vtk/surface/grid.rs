@@ -4,7 +4,8 @@ use super::Surface;
 use super::builder::Builder;
 use crate::ReadError;
 use crate::io::vtk::cells::{self, Shape};
-use crate::io::vtk::dataset::{Job, Points, Range3};
+use crate::io::vtk::dataset::{Job, Points};
+use crate::io::vtk::extents::Range3;
 
 /// Number of cells along an axis with so many points.
 fn along(points: u64) -> u64 {

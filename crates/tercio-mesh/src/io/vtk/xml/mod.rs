@@ -12,7 +12,8 @@ mod pieces;
 pub mod tree;
 
 use super::TIME_NAMES;
-use super::dataset::{Array, Cells, DataSet, Extent, Job, Use};
+use super::dataset::{Array, Cells, DataSet, GHOSTS, Job, Use};
+use super::extents::{Extent, Extents};
 use super::numbers::Scalar;
 use super::part::{self, Part};
 use crate::ReadError;
@@ -110,8 +111,27 @@ pub fn time(job: &Job, document: &Document) -> Result<Option<f64>, ReadError> {
 }
 
 /// That of a piece of a grid.
-pub fn extent(piece: &Element) -> Option<Extent> {
+fn extent(piece: &Element) -> Option<Extent> {
     Extent::parse(piece.attribute("Extent")?)
+}
+
+/// That of a piece whose cells are all there, as far as its arrays say: beside cells that are hidden, there is an outside.
+fn solid_extent(piece: &Element) -> Option<Extent> {
+    let is_ghost = |array: &Element| array.attribute("Name").is_some_and(|name| GHOSTS.contains(&name));
+    let of = |name| piece.children_named(name).flat_map(|data| &data.children);
+    if of("PointData").chain(of("CellData")).any(is_ghost) { None } else { extent(piece) }
+}
+
+/// The files that are the pieces of a grid, with their extents; none if cells may be hidden.
+pub fn extents(document: &Document) -> Vec<(&str, Extent)> {
+    let grids = document.root.children.iter();
+    let arrays = grids.clone().flat_map(|grid| &grid.children).flat_map(|data| &data.children);
+    let is_ghost = |array: &Element| array.attribute("Name").is_some_and(|name| GHOSTS.contains(&name));
+    if { arrays }.any(is_ghost) {
+        return Vec::new();
+    }
+    let pieces = grids.flat_map(|grid| grid.children_named("Piece"));
+    pieces.filter_map(|piece| Some((piece.attribute("Source")?, extent(piece)?))).collect()
 }
 
 /// All pieces of a file with a data set.
@@ -126,12 +146,13 @@ pub fn parts(job: &Job, document: &Document) -> Result<Vec<Part>, ReadError> {
         return Err(job.malformed(job.line(root.at), format!("the element {kind}"), "none"));
     };
     job.begin("reading pieces", data.children_named("Piece").count() as u64);
-    let extents: Vec<Extent> = data.children_named("Piece").filter_map(extent).collect();
+    let extents: Extents = data.children_named("Piece").filter_map(solid_extent).collect();
     let mut parts = Vec::new();
     for piece in data.children_named("Piece") {
         if let Some(mut set) = reader.piece(kind, data, piece)? {
             if let (Cells::Structured(_), Some(own)) = (&set.cells, extent(piece)) {
-                set.beside = own.beside(extents.iter().chain(&job.other_extents));
+                set.beside = extents.beside(&own);
+                set.beside.extend(job.extents.beside(&own));
             }
             parts.push(part::make(job, set)?);
         }

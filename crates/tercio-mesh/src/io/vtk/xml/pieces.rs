@@ -5,7 +5,8 @@ use super::arrays::{self, Type};
 use super::tree::Element;
 use crate::ReadError;
 use crate::io::vtk::build;
-use crate::io::vtk::dataset::{CellList, Cells, Ends, Extent, Points};
+use crate::io::vtk::dataset::{CellList, Cells, Ends, Points};
+use crate::io::vtk::extents::Extent;
 use crate::io::vtk::numbers::Numbers;
 use crate::mesh::MAX_ELEMENTS;
 
