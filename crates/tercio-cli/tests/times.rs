@@ -87,8 +87,8 @@ fn files_of_a_series_have_times_of_their_own() {
     assert!(place.read("own1.png") == place.read("b.png"));
     // Of a sheet of files, each with a camera of its own, the captions.
     for (file, time) in [("step_a.vtk", "0.1"), ("step_b.vtk", "0.25"), ("step_c.vtk", "0.3")] {
-        place.run(&format!("sheet {file} -o own.png --caption {{time}} --size 48x36")).ok_silently();
-        place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36")).ok_silently();
+        place.run(&format!("sheet {file} -o own.png --caption {{time}} --size 48x36 -q")).ok_silently();
+        place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36 -q")).ok_silently();
         assert!(place.read("own.png") == place.read("text.png"), "{file}");
     }
     // What cannot be read stops no batch.
