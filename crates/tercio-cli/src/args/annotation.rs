@@ -196,8 +196,7 @@ impl AnnotationArgs {
 
     /// Whether a text has a placeholder of this name.
     pub fn has_placeholder(&self, name: &str) -> bool {
-        let mut texts = self.title.iter().chain(self.text.iter().map(|caption| &caption.text));
-        texts.any(|text| pattern::has(Path::new(text), name))
+        self.texts().any(|text| pattern::has(Path::new(text), name))
     }
 
     /// Checks that what placeholders of the texts stand for is known.

@@ -17,7 +17,7 @@ pub struct DataColors {
     pub bands: Option<u32>,
     /// Values between which there is one colour each, that of the middle of the interval on the scale; the first and the last interval
     /// end where the range does. Of a categorical map they have the colours one by one. None for a smooth transition; without effect
-    /// beside `bands`. A renderer may be off by 1/8192 of the range.
+    /// beside `bands`. A renderer may be off by 1/8160 of the range.
     pub levels: Vec<f64>,
     /// Lines of equal value.
     pub isolines: Option<Isolines>,

@@ -115,9 +115,13 @@ fn extent(piece: &Element) -> Option<Extent> {
     Extent::parse(piece.attribute("Extent")?)
 }
 
+/// Does an array say which cells or points are ghosts?
+fn is_ghost(array: &Element) -> bool {
+    array.attribute("Name").is_some_and(|name| GHOSTS.contains(&name))
+}
+
 /// That of a piece whose cells are all there, as far as its arrays say: beside cells that are hidden, there is an outside.
 fn solid_extent(piece: &Element) -> Option<Extent> {
-    let is_ghost = |array: &Element| array.attribute("Name").is_some_and(|name| GHOSTS.contains(&name));
     let of = |name| piece.children_named(name).flat_map(|data| &data.children);
     if of("PointData").chain(of("CellData")).any(is_ghost) { None } else { extent(piece) }
 }
@@ -126,7 +130,6 @@ fn solid_extent(piece: &Element) -> Option<Extent> {
 pub fn extents(document: &Document) -> Vec<(&str, Extent)> {
     let grids = document.root.children.iter();
     let arrays = grids.clone().flat_map(|grid| &grid.children).flat_map(|data| &data.children);
-    let is_ghost = |array: &Element| array.attribute("Name").is_some_and(|name| GHOSTS.contains(&name));
     if { arrays }.any(is_ghost) {
         return Vec::new();
     }
@@ -212,11 +215,12 @@ impl<'a> Reader<'_, 'a> {
                     _ => Use::Attribute,
                 }
             };
-            // As many as the element has attributes at most: the count of components may be a large one.
             let own =
                 |k: usize| element.attribute(&format!("ComponentName{k}")).unwrap_or_default().to_owned();
-            let has_names = (0..components.min(MOST_NAMED)).any(|k| !own(k).is_empty());
-            let names = (0..components.min(MOST_NAMED)).filter(|_| has_names).map(own).collect();
+            let mut names: Vec<String> = (0..components.min(MOST_NAMED)).map(own).collect();
+            if names.iter().all(String::is_empty) {
+                names.clear();
+            }
             arrays.push(Array { name, components, numbers, r#use, names });
         }
         Ok(arrays)
