@@ -196,6 +196,26 @@ impl Sieve {
         if by_area {
             self.sort_by_area(simd, vertices, corners, &reached, count_reached, keep);
         }
+        self.join_rests();
+    }
+
+    /// Moves the last tiny triangles, which do not fill all lanes, to the small ones if these then fill as many vectors as
+    /// before.
+    #[inline(always)]
+    fn join_rests(&mut self) {
+        let [tiny, small] = [Size::Tiny, Size::Small].map(|size| self.counts[size as usize]);
+        let rest = tiny % LANES;
+        if small % LANES == 0 || rest + small % LANES > LANES {
+            return;
+        }
+        let [of_tiny, of_small, ..] = &mut self.numbers;
+        if let (Some(to), Some(from)) =
+            (of_small[small..].first_chunk_mut::<LANES>(), of_tiny[tiny - rest..].first_chunk::<LANES>())
+        {
+            *to = *from;
+        }
+        self.counts[Size::Tiny as usize] -= rest;
+        self.counts[Size::Small as usize] += rest;
     }
 
     /// Sorts the triangles that reach a sample, if they have to be tested by area: drops those that show the culled

@@ -210,14 +210,21 @@ fn draw_clusters<S: Simd, T: Tally, K: Sink>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
+    // The results of the occlusion tests of the next clusters: a cluster that is already hidden stays hidden, and is
+    // not prefetched.
+    let mut hidden = [false; PREFETCH_DISTANCE];
     for (i, binned) in clusters.iter().enumerate() {
         if let Some(later) = clusters.get(i + 2 * PREFETCH_DISTANCE) {
             prefetch_head(context, later);
         }
+        let was_hidden = hidden[i % PREFETCH_DISTANCE];
         if let Some(later) = clusters.get(i + PREFETCH_DISTANCE) {
-            prefetch_body(context, later);
+            hidden[i % PREFETCH_DISTANCE] = is_hidden(simd, later, &mut scratch.memory);
+            if !hidden[i % PREFETCH_DISTANCE] {
+                prefetch_body(context, later);
+            }
         }
-        if is_hidden(simd, binned, &mut scratch.memory) {
+        if was_hidden || is_hidden(simd, binned, &mut scratch.memory) {
             tally.counts().clusters_hidden += 1;
             continue;
         }
@@ -313,21 +320,28 @@ pub fn finish<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    tally.counts().pixels_visible += simd.vectorize(
-        #[inline(always)]
-        || scratch.memory.visible(simd),
-    );
     if context.settings.last_stage <= LastStage::Visibility {
+        tally.counts().pixels_visible += visible(simd, &scratch.memory);
         target.write_background();
         return;
     }
     shade::late_fragments(simd, context, scratch, outputs, tally.counts());
     if context.settings.keep_fragments {
+        tally.counts().pixels_visible += visible(simd, &scratch.memory);
         scratch.memory.write_bytes(context, outputs, &mut scratch.kept);
         target.keep(std::mem::take(&mut scratch.kept));
         return;
     }
-    write(simd, context, scratch, target, pixels, outputs);
+    tally.counts().pixels_visible += write(simd, context, scratch, target, pixels, outputs);
+}
+
+/// Number of pixels of the tile in which something is drawn. Not inlined, so that it is compiled only once per SIMD level.
+#[inline(never)]
+fn visible<S: Simd>(simd: S, memory: &SampleMemory) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        || memory.visible(simd),
+    )
 }
 
 /// Writes a tile from the fragments of several ranks to the picture, and returns the number of pixels in which something is
@@ -358,15 +372,11 @@ pub fn merge<S: Simd>(
             || blend::slice(simd, context, memory, blend_order),
         );
     }
-    let visible = simd.vectorize(
-        #[inline(always)]
-        || memory.visible(simd),
-    );
-    write(simd, context, scratch, canvas.claim(tile.tile), pixels, outputs);
-    Ok(visible)
+    Ok(write(simd, context, scratch, canvas.claim(tile.tile), pixels, outputs))
 }
 
-/// Writes a tile, whose fragments are shaded and blended, to the picture.
+/// Writes a tile, whose fragments are shaded and blended, to the picture, and returns the number of pixels in which something
+/// is drawn.
 fn write<S: Simd>(
     simd: S,
     context: &FrameContext,
@@ -374,10 +384,11 @@ fn write<S: Simd>(
     target: CanvasTile,
     pixels: &mut Planes,
     outputs: &Outputs,
-) {
+) -> u64 {
     let stride = (1 << context.grid.shift) * context.settings.elements_per_pixel() as usize;
     target.clear(pixels, stride);
     let background = target.background();
-    resolve::tile(simd, context, &scratch.memory, background, stride, pixels, outputs);
+    let drawn = resolve::tile(simd, context, &scratch.memory, background, stride, pixels, outputs);
     target.write(pixels, stride);
+    drawn.unwrap_or_else(|| visible(simd, &scratch.memory))
 }

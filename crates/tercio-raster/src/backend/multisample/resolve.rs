@@ -17,7 +17,8 @@ use crate::resolve::{color8, color16, mean, set_colors, weighted_mean};
 use crate::sampling::{MAX_SAMPLES, Tap};
 use crate::simd::{LANES, load_interleaved, splat};
 
-/// Writes a tile, in which all visible fragments are shaded, to planes that have the background.
+/// Writes a tile, in which all visible fragments are shaded, to planes that have the background. Returns the number of
+/// pixels in which something is drawn, if it is found on the way.
 pub fn tile<S: Simd>(
     simd: S,
     context: &FrameContext,
@@ -26,10 +27,11 @@ pub fn tile<S: Simd>(
     stride: usize,
     pixels: &mut Planes,
     outputs: &Outputs,
-) {
+) -> Option<u64> {
     let tile = Tile::new(context, memory, outputs);
     let own = memory.own;
     let has_colors = is_needed(outputs);
+    let mut visible = 0;
     for (row, y) in (own.y0..own.y1 + 1).enumerate() {
         let background = &background[row];
         if context.settings.unresolved {
@@ -40,13 +42,16 @@ pub fn tile<S: Simd>(
             let place = row * stride + (x - own.x0) as usize;
             let last = (x + LANES as i32 - 1).min(own.x1);
             if has_colors {
-                tile.write_colors(simd, [x, last], y, place, background, pixels);
+                let drawn = tile.write_colors(simd, [x, last], y, place, background, pixels);
+                visible += u64::from(drawn.count_ones());
             }
             if tile.has_geometry {
                 tile.write_geometry(simd, [x, last], y, place, pixels);
             }
         }
     }
+    // The filter draws pixels whose own samples show nothing.
+    (has_colors && tile.steps.is_empty() && !context.settings.unresolved).then_some(visible)
 }
 
 /// Premultiplied linear colours of 16 pixels.
@@ -215,7 +220,8 @@ impl Tile<'_> {
         if self.memory.blended.is_at(sample) { self.memory.blended.over(sample, opaque) } else { opaque }
     }
 
-    /// Writes the colours of at most 16 pixels of a row, from column x0 to x1.
+    /// Writes the colours of at most 16 pixels of a row, from column x0 to x1. Returns those in which something was drawn, one
+    /// bit each.
     #[inline(always)]
     fn write_colors<S: Simd>(
         &self,
@@ -225,7 +231,7 @@ impl Tile<'_> {
         place: usize,
         background: &Pixel,
         pixels: &mut Planes,
-    ) {
+    ) -> u32 {
         let count = (x1 - x0 + 1) as usize;
         let mut row = Row { colors: [[0.0; 4]; LANES], drawn: 0 };
         if self.steps.is_empty() && !self.context.is_translucent() {
@@ -248,7 +254,7 @@ impl Tile<'_> {
             }
         }
         if row.drawn == 0 {
-            return;
+            return 0;
         }
         if self.outputs.color {
             simd.vectorize(
@@ -263,6 +269,7 @@ impl Tile<'_> {
         if self.outputs.color16 {
             drawn.for_each(|lane| pixels.color16[place + lane] = color16(row.colors[lane]));
         }
+        row.drawn
     }
 
     /// The premultiplied linear colour of a pixel; `None` where nothing was drawn.
