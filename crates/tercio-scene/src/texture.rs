@@ -18,22 +18,38 @@ pub enum Encoding {
 }
 
 /// One picture of a [`Texture`].
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Level {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Level<'a> {
     /// Texels in a row; at least 1.
     pub width: u32,
     /// Rows; at least 1.
     pub height: u32,
     /// The texels, row by row, the upper row first: linear numbers as shares of 65535. Colours are premultiplied by their
     /// alpha.
-    pub texels: Vec<[u16; 4]>,
+    pub texels: &'a [[u16; 4]],
+}
+
+/// The most pictures of a [`Texture`]: edges are at most [`MAX_EDGE`].
+pub const MAX_LEVELS: usize = MAX_EDGE.ilog2() as usize + 1;
+
+/// The sizes of the pictures of a [`Texture`], the largest first, as vectors; what is beyond the last one has its size.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelTable {
+    /// Texels in a row.
+    pub width: [i32; MAX_LEVELS],
+    /// Rows.
+    pub height: [i32; MAX_LEVELS],
+    /// The first texel in [`Texture::texels`].
+    pub first: [i32; MAX_LEVELS],
 }
 
 /// A picture and its mipmaps: pictures of half the size (rounded down), a quarter, and so on, down to a single texel. A texel
 /// is the mean of the area that it covers in the picture before.
 #[derive(Clone, Debug)]
 pub struct Texture {
-    levels: Vec<Level>,
+    texels: Vec<[u16; 4]>,
+    table: LevelTable,
+    level_count: usize,
     encoding: Encoding,
     is_opaque: bool,
     /// [`Texture::checksum`], once it was asked for.
@@ -88,18 +104,63 @@ impl Texture {
         let edges = 1..=MAX_EDGE;
         assert!(edges.contains(&width) && edges.contains(&height), "{width}x{height} texels");
         assert_eq!(pixels.len() as u64, u64::from(width) * u64::from(height), "texels of {width}x{height}");
-        let texels: Vec<[u16; 4]> = pixels.par_iter().with_min_len(1 << 14).map(texel).collect();
-        let is_opaque = texels.par_iter().with_min_len(1 << 14).all(|t| t[3] == u16::MAX);
-        let mut levels = vec![Level { width, height, texels }];
-        while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
-            levels.push(last.smaller());
+        let (mut sizes, mut count) = (vec![[width, height]], pixels.len());
+        while let Some(&[width, height]) = sizes.last().filter(|size| **size != [1, 1]) {
+            let smaller = [(width / 2).max(1), (height / 2).max(1)];
+            count += smaller[0] as usize * smaller[1] as usize;
+            sizes.push(smaller);
         }
-        Self { levels, encoding, is_opaque, checksum: OnceLock::new() }
+        let mut texels = vec![[0; 4]; count];
+        const CHUNK: usize = 1 << 14;
+        let chunks = texels[..pixels.len()].par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK));
+        chunks.for_each(|(to, from)| to.iter_mut().zip(from).for_each(|(to, from)| *to = texel(from)));
+        let is_opaque = texels[..pixels.len()].par_iter().with_min_len(CHUNK).all(|t| t[3] == u16::MAX);
+        let zero = [0; MAX_LEVELS];
+        let mut table = LevelTable { width: zero, height: zero, first: zero };
+        let mut first = 0;
+        for number in 0..MAX_LEVELS {
+            let [width, height] = sizes[number.min(sizes.len() - 1)];
+            (table.width[number], table.height[number]) = (width as i32, height as i32);
+            table.first[number] = first as i32;
+            if number + 1 < sizes.len() {
+                let (before, after) = texels.split_at_mut(first + width as usize * height as usize);
+                Level { width, height, texels: &before[first..] }.shrink(after);
+                first = before.len();
+            }
+        }
+        Self { texels, table, level_count: sizes.len(), encoding, is_opaque, checksum: OnceLock::new() }
     }
 
     /// The picture and its mipmaps, the largest first.
-    pub fn levels(&self) -> &[Level] {
-        &self.levels
+    pub fn levels(&self) -> Vec<Level<'_>> {
+        (0..self.level_count).map(|number| self.level(number)).collect()
+    }
+
+    /// The number of pictures, at most [`MAX_LEVELS`].
+    pub fn level_count(&self) -> usize {
+        self.level_count
+    }
+
+    /// The picture (0) or one of its mipmaps; the last one if there are fewer.
+    pub fn level(&self, number: usize) -> Level<'_> {
+        let number = number.min(self.level_count - 1);
+        let [width, height, first] =
+            [self.table.width, self.table.height, self.table.first].map(|of| of[number] as usize);
+        Level {
+            width: width as u32,
+            height: height as u32,
+            texels: &self.texels[first..first + width * height],
+        }
+    }
+
+    /// The texels of all pictures, the largest first.
+    pub fn texels(&self) -> &[[u16; 4]] {
+        &self.texels
+    }
+
+    /// The sizes of all pictures, and where their texels are.
+    pub fn table(&self) -> &LevelTable {
+        &self.table
     }
 
     /// What its numbers mean.
@@ -116,16 +177,16 @@ impl Texture {
     pub fn checksum(&self) -> u64 {
         *self.checksum.get_or_init(|| {
             // Smaller levels follow from the first one.
-            let Level { width, height, texels } = &self.levels[0];
+            let Level { width, height, texels } = self.level(0);
             let texels = checksum::of(bytemuck::cast_slice(texels));
-            let all = [u64::from(*width), u64::from(*height), self.encoding as u64, texels];
+            let all = [u64::from(width), u64::from(height), self.encoding as u64, texels];
             checksum::of(bytemuck::cast_slice(&all))
         })
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.levels.iter().map(|level| level.texels.len() * size_of::<[u16; 4]>()).sum()
+        size_of_val(&self.texels[..])
     }
 
     /// Bytes that a texture of this size takes.
@@ -157,14 +218,14 @@ fn covered(to: u32, from: u32, count: u32) -> (u32, [u64; 3]) {
     (first as u32, [weight(0), weight(1), weight(2)])
 }
 
-impl Level {
-    /// The next mipmap.
-    fn smaller(&self) -> Self {
+impl Level<'_> {
+    /// Writes the next mipmap, whose texels are the first of `to`.
+    fn shrink(&self, to: &mut [[u16; 4]]) {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         // The weights of a texel add up to the area of this level.
         let area = u64::from(self.width) * u64::from(self.height);
         let columns: Vec<_> = (0..width).map(|x| covered(x, self.width, width)).collect();
-        let mut texels = vec![[0; 4]; width as usize * height as usize];
+        let texels = &mut to[..width as usize * height as usize];
         texels.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
             let (first_row, rows) = covered(y as u32, self.height, height);
             for (texel, (first_column, columns)) in row.iter_mut().zip(&columns) {
@@ -178,7 +239,6 @@ impl Level {
                 *texel = sum.map(|c| (c / area) as u16);
             }
         });
-        Self { width, height, texels }
     }
 }
 

@@ -50,8 +50,8 @@ pub fn sample(texture: &Texture, map: &TextureMap, filter: TextureFilter, point:
 
 /// The ellipse that a pixel covers has the axes of the matrix of derivatives, as `major` and `minor`.
 fn probes(texture: &Texture, filter: TextureFilter, right: [f32; 2], down: [f32; 2]) -> Probes {
-    let largest = &texture.levels()[0];
-    let last = texture.levels().len() - 1;
+    let largest = texture.level(0);
+    let last = texture.level_count() - 1;
     let size = [largest.width as f32, largest.height as f32];
     let mut probes = Probes { count: 1, axis: [0.0; 2], level: 0, fraction: 0.0 };
     if filter == TextureFilter::Bilinear {
@@ -126,7 +126,7 @@ fn index(wrap: Wrap, i: i32, size: u32) -> usize {
 }
 
 fn bilinear(texture: &Texture, level: usize, map: &TextureMap, [u, v]: [f32; 2]) -> [f32; 4] {
-    let level = &texture.levels()[level];
+    let level = texture.level(level);
     let x = wrapped(map.wrap[0], u) * level.width as f32 - 0.5;
     let y = (1.0 - wrapped(map.wrap[1], v)) * level.height as f32 - 0.5;
     let (left, top) = (x.floor(), y.floor());
@@ -141,7 +141,7 @@ fn bilinear(texture: &Texture, level: usize, map: &TextureMap, [u, v]: [f32; 2])
 }
 
 fn nearest(texture: &Texture, map: &TextureMap, [u, v]: [f32; 2]) -> [f32; 4] {
-    let level = &texture.levels()[0];
+    let level = texture.level(0);
     let x = wrapped(map.wrap[0], u) * level.width as f32;
     let y = (1.0 - wrapped(map.wrap[1], v)) * level.height as f32;
     let [x, y] = [(x, level.width), (y, level.height)].map(|(c, size)| (c as u32).min(size - 1) as usize);

@@ -274,6 +274,27 @@ pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32
     }
 }
 
+/// 16 entries of a table of four numbers each: the first two and the last two as 32 bits, the first of them in the lower 16.
+///
+/// # Panics
+/// If an index is not in the table.
+#[inline(always)]
+pub fn lookup_fours<S: Simd>(simd: S, table: &[[u16; 4]], index: i32x16<S>) -> [i32x16<S>; 2] {
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(token) = simd.level() {
+        let (first, second) = x86_64::lookup_fours_avx512(token, table, index.into());
+        return [first.simd_into(simd), second.simd_into(simd)];
+    }
+    let (mut pairs, index) = ([[0; 2]; LANES], index.to_array());
+    for lane in 0..LANES {
+        let [a, b, c, d] = table[index[lane] as usize].map(u32::from);
+        pairs[lane] = [(a | b << 16) as i32, (c | d << 16) as i32];
+    }
+    let (low, high) = pairs.as_flattened().split_at(LANES);
+    let (low, high) = (i32x16::from_slice(simd, low), i32x16::from_slice(simd, high));
+    [low.unzip_low(high), low.unzip_high(high)]
+}
+
 /// Writes the selected lanes consecutively to `to`, from index `at` on. Precondition: `to` has room for all 16.
 #[inline(always)]
 pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32x16<S>) {

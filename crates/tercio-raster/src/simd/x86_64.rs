@@ -133,3 +133,29 @@ fearless_simd::kernel!(
         _mm256_permutevar8x32_epi32(from, _mm256_cvtepu8_epi32(order))
     }
 );
+
+fearless_simd::kernel!(
+    /// 16 entries of a table of four numbers each: the first two and the last two as 32 bits.
+    #[inline]
+    pub fn lookup_fours_avx512(
+        avx512: Avx512,
+        table: &[[u16; 4]],
+        index: std::arch::x86_64::__m512i,
+    ) -> (std::arch::x86_64::__m512i, std::arch::x86_64::__m512i) {
+        use std::arch::x86_64::*;
+        let _ = avx512;
+        let length = i32::try_from(table.len()).unwrap_or(i32::MAX);
+        // As numbers without a sign, so that negative ones are too large.
+        let inside = _mm512_cmplt_epu32_mask(index, _mm512_set1_epi32(length));
+        assert!(inside == 0xffff, "an index is not in the table of {length}");
+        let [low, high] = [_mm512_castsi512_si256(index), _mm512_extracti64x4_epi64::<1>(index)];
+        // SAFETY: all indices are in the table, whose entries have 8 bytes.
+        let (low, high) = unsafe {
+            let first = table.as_ptr().cast();
+            (_mm512_i32gather_epi64::<8>(low, first), _mm512_i32gather_epi64::<8>(high, first))
+        };
+        let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+        let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+        (_mm512_permutex2var_epi32(low, even, high), _mm512_permutex2var_epi32(low, odd, high))
+    }
+);

@@ -227,7 +227,7 @@ mod tests {
     fn numbers_are_scaled_and_channels_taken() {
         let picture = picture(&[[0, 51, 102, 204], [255, 128, 7, 0]]);
         let texels = |channel, gain, base| {
-            picture.adjusted(channel, gain, base).texture(Encoding::Linear).levels()[0].texels.clone()
+            picture.adjusted(channel, gain, base).texture(Encoding::Linear).levels()[0].texels.to_vec()
         };
         let grey = |level: u16| [level * 257, level * 257, level * 257, 65535];
         assert_eq!(texels(Some(TextureChannel::Red), 1.0, 0.0), [grey(0), grey(255)]);

@@ -1,57 +1,90 @@
 //! What the textures of materials make of them at 16 points.
 
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::{AlphaMode, Material, TextureMap};
 
-use super::texture::{Colors, TexturePoints, sample};
-use super::{Lanes, NO_MATERIAL, Pixels};
+use super::texture::{TexturePoints, sample};
+use super::{NO_MATERIAL, Pixels};
+use crate::backend::light::Vec3x16;
 use crate::context::FrameContext;
-use crate::simd::LANES;
+use crate::simd::{LANES, each3, splat, splat_i};
 
 /// Materials at 16 points.
-#[derive(Default)]
-pub struct Evaluated {
-    pub albedo: [Lanes; 3],
-    pub alpha: Lanes,
-    pub specular: [Lanes; 3],
-    pub shininess_log2: [u32; LANES],
-    pub roughness: Lanes,
-    pub metallic: Lanes,
-    pub emissive: [Lanes; 3],
-    pub occlusion: Lanes,
+pub struct Evaluated<S: Simd> {
+    pub albedo: Vec3x16<S>,
+    pub alpha: f32x16<S>,
+    pub specular: Vec3x16<S>,
+    pub shininess_log2: i32x16<S>,
+    pub roughness: f32x16<S>,
+    pub metallic: f32x16<S>,
+    pub emissive: Vec3x16<S>,
+    pub occlusion: f32x16<S>,
     /// Lanes with a normal of a texture.
     pub bumped: u32,
     /// These normals, in tangent space.
-    pub tangent: [Lanes; 3],
+    pub tangent: Vec3x16<S>,
     /// The scale of the texture coordinates there.
-    pub uv_scale: [Lanes; 2],
+    pub uv_scale: [f32x16<S>; 2],
 }
 
 /// Colours of the mesh itself at 16 points, which override the material's. A texture overrides the colours, not their alpha.
-pub struct Own {
-    pub color: [Lanes; 3],
-    pub alpha: Lanes,
+pub struct Own<S: Simd> {
+    pub color: Vec3x16<S>,
+    pub alpha: f32x16<S>,
 }
 
-impl Evaluated {
+/// The lanes of one material.
+#[derive(Clone, Copy)]
+struct Lanes<S: Simd> {
+    lanes: u32,
+    mask: mask32x16<S>,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    fn set(self, to: &mut f32x16<S>, value: f32x16<S>) {
+        *to = self.mask.select(value, *to);
+    }
+
+    #[inline(always)]
+    fn set_color(self, to: &mut Vec3x16<S>, value: Vec3x16<S>) {
+        *to = each3!(K => self.mask.select(value[K], to[K]));
+    }
+}
+
+impl<S: Simd> Evaluated<S> {
     /// Evaluates the materials of all lanes. Without `points` there are no textures.
     #[inline(always)]
-    pub fn evaluate<S: Simd>(
-        &mut self,
+    pub fn new(
         simd: S,
         context: &FrameContext,
         instance: usize,
         pixels: &Pixels<S>,
         points: Option<&TexturePoints<S>>,
-        own: Option<&Own>,
-    ) {
+        own: Option<&Own<S>>,
+    ) -> Self {
+        let zero = splat(simd, 0.0);
+        let mut found = Self {
+            albedo: [zero; 3],
+            alpha: zero,
+            specular: [zero; 3],
+            shininess_log2: splat_i(simd, 0),
+            roughness: zero,
+            metallic: zero,
+            emissive: [zero; 3],
+            occlusion: zero,
+            bumped: 0,
+            tangent: [zero; 3],
+            uv_scale: [zero; 2],
+        };
+        let numbers = pixels.corners.material.map(|number| number as i32);
+        let numbers = i32x16::load_array(simd, numbers);
         let mut left = 0xffff_u32;
         while left != 0 {
             let number = pixels.corners.material[left.trailing_zeros() as usize % LANES];
-            let mut lanes = 0;
-            for lane in 0..LANES {
-                lanes |= u32::from(pixels.corners.material[lane] == number) << lane;
-            }
+            let mask = numbers.simd_eq(splat_i(simd, number as i32));
+            let lanes = mask.to_bitmask() as u32 & 0xffff;
             left &= !lanes;
             let surface;
             let material = match context.scene.materials.get(number as usize) {
@@ -61,100 +94,83 @@ impl Evaluated {
                     &surface
                 }
             };
-            self.material(simd, context, material, points, own, lanes);
+            found.material(simd, context, material, points, own, Lanes { lanes, mask });
         }
+        found
     }
 
     /// Evaluates one material in some lanes.
     #[inline(always)]
-    fn material<S: Simd>(
+    fn material(
         &mut self,
         simd: S,
         context: &FrameContext,
         material: &Material,
         points: Option<&TexturePoints<S>>,
-        own: Option<&Own>,
-        lanes: u32,
+        own: Option<&Own<S>>,
+        some: Lanes<S>,
     ) {
-        let lanes_of = move || (0..LANES).filter(move |lane| lanes >> lane & 1 == 1);
-        let mut colors: Colors = [[0.0; LANES]; 4];
-        // Samples a texture; returns whether there is one, and whether it is opaque.
-        let sampled = |map: &Option<TextureMap>, colors: &mut Colors| {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let color = |c: [f32; 3]| -> Vec3x16<S> { each3!(K => splat(simd, c[K])) };
+        // Samples a texture, if there is one; returns also whether it is opaque.
+        let sampled = |map: &Option<TextureMap>| {
             let (Some(map), Some(points)) = (map, points) else { return None };
             let texture = &context.scene.textures[map.texture as usize];
-            sample(simd, texture, map, context.settings.texture_filter, points, lanes, colors);
-            Some(texture.is_opaque())
+            let found = sample(simd, texture, map, context.settings.texture_filter, points, some.lanes);
+            Some((found, texture.is_opaque()))
         };
-        let opacity = if material.opacity < 1.0 { material.opacity.max(0.0) } else { 1.0 };
-        match own {
-            Some(own) => lanes_of().for_each(|lane| self.alpha[lane] = opacity * own.alpha[lane]),
-            None => lanes_of().for_each(|lane| self.alpha[lane] = opacity),
+        let mut alpha = splat(simd, if material.opacity < 1.0 { material.opacity.max(0.0) } else { 1.0 });
+        if let Some(own) = own {
+            alpha *= own.alpha;
         }
-        match (sampled(&material.base_color_map, &mut colors), own) {
-            (Some(is_opaque), _) => {
-                for lane in lanes_of() {
-                    let a = colors[3][lane];
-                    let by = if is_opaque { 1.0 } else { a };
-                    for k in 0..3 {
-                        let c = colors[k][lane];
-                        let straight = if by == 0.0 { 0.0 } else { c / by };
-                        self.albedo[k][lane] = material.base_color[k] * straight;
-                    }
-                    self.alpha[lane] = if is_opaque { self.alpha[lane] } else { self.alpha[lane] * a };
-                }
+        let base = color(material.base_color);
+        let albedo: Vec3x16<S> = match (sampled(&material.base_color_map), own) {
+            (Some(([r, g, b, _], true)), _) => each3!(K => base[K] * [r, g, b][K]),
+            (Some(([r, g, b, a], false)), _) => {
+                alpha *= a;
+                let is_nothing = a.simd_eq(zero);
+                each3!(K => base[K] * is_nothing.select(zero, [r, g, b][K] / a))
             }
-            (None, Some(own)) => {
-                for lane in lanes_of() {
-                    (0..3).for_each(|k| self.albedo[k][lane] = own.color[k][lane]);
-                }
-            }
-            (None, None) => {
-                for lane in lanes_of() {
-                    (0..3).for_each(|k| self.albedo[k][lane] = material.base_color[k]);
-                }
-            }
-        }
-        if sampled(&material.opacity_map, &mut colors).is_some() {
-            lanes_of().for_each(|lane| self.alpha[lane] *= colors[0][lane]);
-        }
-        for lane in lanes_of() {
-            let alpha = self.alpha[lane];
-            self.alpha[lane] = match material.alpha_mode {
-                AlphaMode::Blend => alpha.min(1.0),
-                AlphaMode::Cutout(least) => f32::from(u8::from(alpha >= least)),
-                AlphaMode::Opaque => 1.0,
-            };
-            self.shininess_log2[lane] = material.shininess_log2;
-        }
-        let tint = |map: &Option<TextureMap>, color: [f32; 3], to: &mut [Lanes; 3], colors: &mut Colors| {
-            let has_map = sampled(map, colors).is_some();
-            for lane in lanes_of() {
-                for k in 0..3 {
-                    to[k][lane] = if has_map { color[k] * colors[k][lane] } else { color[k] };
-                }
-            }
+            (None, Some(own)) => own.color,
+            (None, None) => base,
         };
-        tint(&material.specular_map, material.specular, &mut self.specular, &mut colors);
-        tint(&material.emissive_map, material.emissive, &mut self.emissive, &mut colors);
-        let share =
-            |map: &Option<TextureMap>, channel: usize, of: f32, to: &mut Lanes, colors: &mut Colors| {
-                let has_map = sampled(map, colors).is_some();
-                for lane in lanes_of() {
-                    to[lane] = if has_map { colors[channel][lane] * of } else { of };
-                }
-            };
-        share(&material.roughness_map, 1, material.roughness, &mut self.roughness, &mut colors);
-        share(&material.metallic_map, 2, material.metallic, &mut self.metallic, &mut colors);
-        share(&material.occlusion_map, 0, 1.0, &mut self.occlusion, &mut colors);
-        if let Some(map) = &material.normal_map
-            && sampled(&material.normal_map, &mut colors).is_some()
-        {
-            self.bumped |= lanes;
+        some.set_color(&mut self.albedo, albedo);
+        if let Some((found, _)) = sampled(&material.opacity_map) {
+            alpha *= found[0];
+        }
+        let alpha = match material.alpha_mode {
+            AlphaMode::Blend => alpha.simd_lt(one).select(alpha, one),
+            AlphaMode::Cutout(least) => alpha.simd_ge(splat(simd, least)).select(one, zero),
+            AlphaMode::Opaque => one,
+        };
+        some.set(&mut self.alpha, alpha);
+        let shininess = splat_i(simd, material.shininess_log2 as i32);
+        self.shininess_log2 = some.mask.select(shininess, self.shininess_log2);
+        let tint = |map: &Option<TextureMap>, tint: [f32; 3], to: &mut Vec3x16<S>| {
+            let mut value = color(tint);
+            if let Some((found, _)) = sampled(map) {
+                value = each3!(K => value[K] * found[K]);
+            }
+            some.set_color(to, value);
+        };
+        tint(&material.specular_map, material.specular, &mut self.specular);
+        tint(&material.emissive_map, material.emissive, &mut self.emissive);
+        let share = |map: &Option<TextureMap>, channel: usize, of: f32, to: &mut f32x16<S>| {
+            let mut value = splat(simd, of);
+            if let Some((found, _)) = sampled(map) {
+                value = found[channel] * value;
+            }
+            some.set(to, value);
+        };
+        share(&material.roughness_map, 1, material.roughness, &mut self.roughness);
+        share(&material.metallic_map, 2, material.metallic, &mut self.metallic);
+        share(&material.occlusion_map, 0, 1.0, &mut self.occlusion);
+        if let (Some(map), Some((found, _))) = (&material.normal_map, sampled(&material.normal_map)) {
+            self.bumped |= some.lanes;
             let scale = [material.normal_scale, material.normal_scale, 1.0];
-            for lane in lanes_of() {
-                (0..3).for_each(|k| self.tangent[k][lane] = (colors[k][lane] * 2.0 - 1.0) * scale[k]);
-                (0..2).for_each(|k| self.uv_scale[k][lane] = map.scale[k]);
-            }
+            some.set_color(&mut self.tangent, each3!(K => (found[K] * 2.0 - one) * scale[K]));
+            some.set(&mut self.uv_scale[0], splat(simd, map.scale[0]));
+            some.set(&mut self.uv_scale[1], splat(simd, map.scale[1]));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The light that materials reflect. For the sources, see the reference.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16};
 use tercio_scene::Environment;
 
 use super::evaluate::Evaluated;
@@ -9,7 +9,7 @@ use crate::backend::light::{Vec3x16, beside, normalize, polynomial, wide};
 use crate::conventions::{DIELECTRIC, LEAST_ROUGHNESS};
 use crate::lighting::LightRig;
 use crate::shadow_map::LightNumber;
-use crate::simd::{LANES, dot, each3, load, part, splat};
+use crate::simd::{LANES, dot, each3, load, part, splat, splat_i};
 
 /// A light as seen from 16 points.
 struct Seen<S: Simd> {
@@ -86,18 +86,17 @@ pub fn phong<S: Simd>(
     simd: S,
     rig: &LightRig,
     shadows: &impl Shadows<S>,
-    m: &Evaluated,
+    m: &Evaluated<S>,
     normal: Vec3x16<S>,
     to_viewer: Vec3x16<S>,
     position: Vec3x16<S>,
 ) -> Vec3x16<S> {
-    let occlusion = load(simd, &m.occlusion);
+    let occlusion = m.occlusion;
     let ambient = wide(simd, rig, normal);
     let mut diffuse = each3!(K => ambient[K] * occlusion);
     let zero = splat(simd, 0.0);
     let mut specular = [zero; 3];
-    let color_of_highlight: Vec3x16<S> = each3!(K => load(simd, &m.specular[K]));
-    let most = m.shininess_log2.into_iter().max().unwrap_or(0);
+    let most = m.shininess_log2.to_array().into_iter().max().unwrap_or(0);
     for_each_light(
         simd,
         rig,
@@ -120,11 +119,12 @@ pub fn phong<S: Simd>(
                     let mut power = dot(normal, half);
                     power = power.simd_gt(zero).select(power, zero);
                     for square in 0..most {
-                        power = squared(simd, m, square).select(power * power, power);
+                        let goes_on = m.shininess_log2.simd_gt(splat_i(simd, square));
+                        power = goes_on.select(power * power, power);
                     }
                     let strength = power * if light.is_wide { cosine } else { light.share };
                     specular = each3!(K => {
-                        let more = (strength * color_of_highlight[K]) * light.color[K];
+                        let more = (strength * m.specular[K]) * light.color[K];
                         lit.select(specular[K] + more, specular[K])
                     });
                 },
@@ -132,19 +132,9 @@ pub fn phong<S: Simd>(
         },
     );
     each3!(K => {
-        let reflected = load(simd, &m.albedo[K]) * diffuse[K] + specular[K];
-        reflected + load(simd, &m.emissive[K])
+        let reflected = m.albedo[K] * diffuse[K] + specular[K];
+        reflected + m.emissive[K]
     })
-}
-
-/// The lanes in which the highlight's power is squared for the time with this number.
-#[inline(always)]
-fn squared<S: Simd>(simd: S, m: &Evaluated, square: u32) -> mask32x16<S> {
-    let mut lanes = 0;
-    for lane in 0..LANES {
-        lanes |= u64::from(m.shininess_log2[lane] > square) << lane;
-    }
-    mask32x16::from_bitmask(simd, lanes)
 }
 
 /// The light of physically based shading.
@@ -153,18 +143,17 @@ pub fn physical<S: Simd>(
     simd: S,
     rig: &LightRig,
     shadows: &impl Shadows<S>,
-    m: &Evaluated,
+    m: &Evaluated<S>,
     normal: Vec3x16<S>,
     to_viewer: Vec3x16<S>,
     position: Vec3x16<S>,
 ) -> Vec3x16<S> {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let (metallic, occlusion) = (load(simd, &m.metallic), load(simd, &m.occlusion));
-    let albedo: Vec3x16<S> = each3!(K => load(simd, &m.albedo[K]));
+    let (metallic, occlusion) = (m.metallic, m.occlusion);
     let dielectric = splat(simd, DIELECTRIC);
-    let base = each3!(K => (albedo[K] - dielectric) * metallic + dielectric);
-    let diffuse_color = each3!(K => albedo[K] * (one - metallic));
-    let roughness = load(simd, &m.roughness);
+    let base = each3!(K => (m.albedo[K] - dielectric) * metallic + dielectric);
+    let diffuse_color = each3!(K => m.albedo[K] * (one - metallic));
+    let roughness = m.roughness;
     let least = splat(simd, LEAST_ROUGHNESS);
     let roughness = share(simd, roughness.simd_gt(least).select(roughness, least));
     let a = roughness * roughness;
@@ -219,7 +208,7 @@ pub fn physical<S: Simd>(
             );
         },
     );
-    each3!(K => sum[K] + load(simd, &m.emissive[K]))
+    each3!(K => sum[K] + m.emissive[K])
 }
 
 /// What surfaces mirror of the environment. The points are looked up one by one.

@@ -8,7 +8,6 @@ mod shadow;
 mod texture;
 
 use fearless_simd::Simd;
-use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16};
 use tercio_scene::Instance;
 
@@ -20,7 +19,7 @@ use super::shade::{seen_plane, to_eye};
 use crate::context::FrameContext;
 use crate::projection::relative;
 use crate::settings::Shading;
-use crate::simd::{LANES, each3, load};
+use crate::simd::{each3, splat};
 use crate::view::ObjectView;
 use evaluate::{Evaluated, Own};
 use shadow::ShadowedPoints;
@@ -61,7 +60,6 @@ pub fn shade<S: Simd>(
     instance: usize,
     pixels: &Pixels<S>,
 ) -> (Vec3x16<S>, f32x16<S>) {
-    let mut evaluated = Evaluated::default();
     simd.vectorize(
         #[inline(always)]
         || {
@@ -86,21 +84,14 @@ pub fn shade<S: Simd>(
                 ColorSource::Data => {
                     let (color, alpha) =
                         data::colors(simd, context, instance, pixels.sample, pixels.at, corners);
-                    let color = each3!(C => color[C].to_array());
-                    Some(Own { color, alpha: alpha.to_array() })
+                    Some(Own { color, alpha })
                 }
                 _ => Some(Own {
-                    color: pixels.at.mix(corners.color).map(
-                        #[inline(always)]
-                        |c| c.to_array(),
-                    ),
-                    alpha: match has_alpha {
-                        true => pixels.at.alpha(corners.alpha).to_array(),
-                        false => [1.0; LANES],
-                    },
+                    color: pixels.at.mix(corners.color),
+                    alpha: if has_alpha { pixels.at.alpha(corners.alpha) } else { splat(simd, 1.0) },
                 }),
             };
-            evaluated.evaluate(simd, context, instance, pixels, points.as_ref(), own.as_ref());
+            let evaluated = Evaluated::new(simd, context, instance, pixels, points.as_ref(), own.as_ref());
             let rig = &context.lights;
             let mut normal = pixels.normal;
             if evaluated.bumped != 0 {
@@ -108,7 +99,7 @@ pub fn shade<S: Simd>(
             }
             let to_viewer = normalize(simd, pixels.to_viewer, beside(simd, rig));
             let lit = match context.shading_of(instance) {
-                Shading::Unlit => each3!(C => load(simd, &evaluated.albedo[C])),
+                Shading::Unlit => evaluated.albedo,
                 Shading::Physical => {
                     light::physical(simd, rig, shadows, &evaluated, normal, to_viewer, position)
                 }
@@ -116,7 +107,7 @@ pub fn shade<S: Simd>(
                     light::phong(simd, rig, shadows, &evaluated, normal, to_viewer, position)
                 }
             };
-            (lit, load(simd, &evaluated.alpha))
+            (lit, evaluated.alpha)
         },
     )
 }
@@ -150,6 +141,3 @@ fn points<S: Simd>(
         down: [change(down, 0), change(down, 1)],
     })
 }
-
-/// Numbers of 16 lanes.
-type Lanes = [f32; LANES];

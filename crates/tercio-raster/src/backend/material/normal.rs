@@ -7,7 +7,7 @@ use super::Pixels;
 use super::evaluate::Evaluated;
 use crate::backend::light::{Vec3x16, bend, normalize};
 use crate::context::FrameContext;
-use crate::simd::{dot, each3, load, part, splat};
+use crate::simd::{dot, each3, part, splat};
 
 /// The unit normals that the textures' normals stand for, bent if they point away from the viewer; in lanes without such a texture, the surface's.
 #[inline(always)]
@@ -16,11 +16,11 @@ pub fn bumped<S: Simd>(
     context: &FrameContext,
     instance: usize,
     pixels: &Pixels<S>,
-    evaluated: &Evaluated,
+    evaluated: &Evaluated<S>,
 ) -> Vec3x16<S> {
     let object = &context.objects[instance];
     let (p, uv) = (&pixels.corners.position, &pixels.corners.uv);
-    let scale = [load(simd, &evaluated.uv_scale[0]), load(simd, &evaluated.uv_scale[1])];
+    let scale = evaluated.uv_scale;
     let normal = pixels.normal;
     part(
         simd,
@@ -40,7 +40,7 @@ pub fn bumped<S: Simd>(
             let along_u = each3!(K => (e1[K] * v2 - e2[K] * v1) * sign);
             let along_v = each3!(K => (e2[K] * u1 - e1[K] * u2) * sign);
             let (along_u, along_v) = (axis(simd, normal, along_u), axis(simd, normal, along_v));
-            let t = each3!(K => load(simd, &evaluated.tangent[K]));
+            let t = evaluated.tangent;
             let bumped = each3!(K => (along_u[K] * t[0] + along_v[K] * t[1]) + normal[K] * t[2]);
             let bumped = normalize(simd, bumped, normal);
             let bumped = bend(simd, bumped, pixels.to_viewer);

@@ -1,16 +1,13 @@
-//! Samples a texture at 16 points.
-//!
-//! Where and how the texture is sampled is computed for 16 points at a time; texels are fetched and interpolated point by
-//! point, four channels at a time.
+//! Samples a texture at 16 points at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x16, i32x16};
-use tercio_scene::texture::Level;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use tercio_scene::texture::MAX_LEVELS;
 use tercio_scene::{Texture, TextureMap, Wrap};
 
 use crate::conventions::MAX_ANISOTROPY;
 use crate::settings::TextureFilter;
-use crate::simd::{LANES, load, part, splat, splat_i};
+use crate::simd::{lookup_16, lookup_fours, part, splat, splat_i};
 
 /// Points on surfaces in texture coordinates, v upwards, and how these change from pixel to pixel.
 #[derive(Clone, Copy)]
@@ -24,18 +21,19 @@ pub struct TexturePoints<S: Simd> {
 }
 
 /// Colours of 16 points by channel, premultiplied if they are colours; 0 to 1.
-pub type Colors = [[f32; LANES]; 4];
+pub type Colors<S> = [f32x16<S>; 4];
 
 /// Where a texture is sampled: at `count` points along `axis`, in texture coordinates, in mipmap `level` and, with the
 /// share `fraction`, the next one.
 struct Probes<S: Simd> {
-    count: [i32; LANES],
+    count: i32x16<S>,
     axis: [f32x16<S>; 2],
-    level: [i32; LANES],
-    fraction: [f32; LANES],
+    level: i32x16<S>,
+    fraction: f32x16<S>,
 }
 
-/// Samples a texture at the points in the lanes of `lanes`. Not inlined, so that it is compiled only once per SIMD level.
+/// Samples a texture at the points in the lanes of `lanes`; the others are undefined. Not inlined, so that it is compiled only
+/// once per SIMD level.
 #[inline(never)]
 pub fn sample<S: Simd>(
     simd: S,
@@ -44,12 +42,11 @@ pub fn sample<S: Simd>(
     filter: TextureFilter,
     points: &TexturePoints<S>,
     lanes: u32,
-    into: &mut Colors,
-) {
+) -> Colors<S> {
     simd.vectorize(
         #[inline(always)]
-        || sample_inline(simd, texture, map, filter, points, lanes, into),
-    );
+        || sample_inline(simd, texture, map, filter, points, lanes),
+    )
 }
 
 #[inline(always)]
@@ -60,41 +57,37 @@ fn sample_inline<S: Simd>(
     filter: TextureFilter,
     points: &TexturePoints<S>,
     lanes: u32,
-    into: &mut Colors,
-) {
+) -> Colors<S> {
     let scaled = |d: [f32x16<S>; 2]| [d[0] * map.scale[0], d[1] * map.scale[1]];
     let uv = scaled(points.uv);
     let uv = [uv[0] + splat(simd, map.offset[0]), uv[1] + splat(simd, map.offset[1])];
-    let mut sums = [[0.0; 4]; LANES];
-    let mut counts = [1.0; LANES];
     if filter == TextureFilter::Nearest {
-        nearest(simd, &texture.levels()[0], map, uv, lanes, &mut sums);
-    } else {
-        let probes = probes(simd, texture, filter, scaled(points.right), scaled(points.down));
-        let most = each_lane(lanes).map(|lane| probes.count[lane]).max().unwrap_or(0);
-        counts = probes.count.map(|count| count as f32);
-        let count = load(simd, &counts);
-        let blends = each_lane(lanes).any(|lane| probes.fraction[lane] > 0.0);
-        for i in 0..most {
-            let t = splat(simd, i as f32 + 0.5) / count - splat(simd, 0.5);
-            let uv = [uv[0] + probes.axis[0] * t, uv[1] + probes.axis[1] * t];
-            let mut left = 0;
-            each_lane(lanes).for_each(|lane| left |= u32::from(probes.count[lane] > i) << lane);
-            bilinear(simd, texture, map, uv, &probes, left, blends, &mut sums);
-        }
+        let most = splat(simd, 65535.0);
+        return nearest(simd, texture, map, uv).map(
+            #[inline(always)]
+            |c| c / most,
+        );
     }
-    for lane in each_lane(lanes) {
-        let sum = f32x4::load_array(simd, sums[lane]) / (65535.0 * counts[lane]);
-        for k in 0..4 {
-            into[k][lane] = sum[k];
+    let probes = probes(simd, texture, filter, scaled(points.right), scaled(points.down));
+    let count: f32x16<S> = probes.count.to_float();
+    let mut sums = [splat(simd, 0.0); 4];
+    let (mut number, mut left) = (0, lanes);
+    while left != 0 {
+        let t = splat(simd, number as f32 + 0.5) / count - splat(simd, 0.5);
+        let uv = [uv[0] + probes.axis[0] * t, uv[1] + probes.axis[1] * t];
+        let found = bilinear(simd, texture, map, uv, &probes, left);
+        let is_left = mask32x16::from_bitmask(simd, u64::from(left));
+        for (sum, found) in sums.iter_mut().zip(found) {
+            *sum = is_left.select(*sum + found, *sum);
         }
+        number += 1;
+        left &= probes.count.simd_gt(splat_i(simd, number)).to_bitmask() as u32;
     }
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-fn each_lane(lanes: u32) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| lanes >> lane & 1 == 1)
+    let most = count * 65535.0;
+    sums.map(
+        #[inline(always)]
+        |sum| sum / most,
+    )
 }
 
 /// The ellipse that a pixel covers has the axes of the matrix of derivatives, as `major` and `minor`.
@@ -108,10 +101,10 @@ fn probes<S: Simd>(
 ) -> Probes<S> {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     if filter == TextureFilter::Bilinear {
-        return Probes { count: [1; LANES], axis: [zero; 2], level: [0; LANES], fraction: [0.0; LANES] };
+        return Probes { count: splat_i(simd, 1), axis: [zero; 2], level: splat_i(simd, 0), fraction: zero };
     }
-    let largest = &texture.levels()[0];
-    let last = texture.levels().len() as i32 - 1;
+    let largest = texture.level(0);
+    let last = texture.level_count() as i32 - 1;
     let size = [largest.width as f32, largest.height as f32];
     part(
         simd,
@@ -164,7 +157,7 @@ fn probes<S: Simd>(
             let is_last = level.simd_ge(splat_i(simd, last)) | !is_finite;
             level = is_last.select(splat_i(simd, last), level);
             fraction = is_last.select(zero, fraction);
-            Probes { count: count.to_array(), axis, level: level.to_array(), fraction: fraction.to_array() }
+            Probes { count, axis, level, fraction }
         },
     )
 }
@@ -200,16 +193,14 @@ fn index<S: Simd>(simd: S, wrap: Wrap, i: i32x16<S>, size: i32x16<S>) -> i32x16<
 
 /// The texels around 16 points along one axis, the first of which is at or before the point, and the share of the second.
 #[inline(always)]
-fn around<S: Simd>(simd: S, wrap: Wrap, at: f32x16<S>, size: i32x16<S>) -> ([[i32; LANES]; 2], [f32; LANES]) {
+fn around<S: Simd>(simd: S, wrap: Wrap, at: f32x16<S>, size: i32x16<S>) -> ([i32x16<S>; 2], f32x16<S>) {
     let at = at * size.to_float::<f32x16<S>>() - splat(simd, 0.5);
     let first = at.floor();
     let number = first.to_int::<i32x16<S>>();
-    let both = [index(simd, wrap, number, size), index(simd, wrap, number + 1, size)];
-    (both.map(|i| i.to_array()), (at - first).to_array())
+    ([index(simd, wrap, number, size), index(simd, wrap, number + 1, size)], at - first)
 }
 
-/// Adds what is between four texels at each point, and between two mipmaps if any point `blends`.
-#[expect(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
+/// What is between four texels at 16 points, and between two mipmaps; 0 to 65535.
 #[inline(always)]
 fn bilinear<S: Simd>(
     simd: S,
@@ -218,71 +209,87 @@ fn bilinear<S: Simd>(
     [u, v]: [f32x16<S>; 2],
     probes: &Probes<S>,
     lanes: u32,
-    blends: bool,
-    sums: &mut [[f32; 4]; LANES],
-) {
+) -> [f32x16<S>; 4] {
     let u = wrapped(simd, map.wrap[0], u);
     let v = splat(simd, 1.0) - wrapped(simd, map.wrap[1], v);
-    let levels = texture.levels();
-    let mut found = [[0.0; 4]; LANES];
-    for smaller in 0..=usize::from(blends) {
-        let of = probes.level.map(|level| &levels[(level as usize + smaller).min(levels.len() - 1)]);
-        let [width, height] = [of.map(|level| level.width as i32), of.map(|level| level.height as i32)];
-        let (columns, x) = around(simd, map.wrap[0], u, i32x16::load_array(simd, width));
-        let (rows, y) = around(simd, map.wrap[1], v, i32x16::load_array(simd, height));
-        for lane in each_lane(lanes) {
-            let fraction = probes.fraction[lane];
-            if smaller == 1 && !(fraction > 0.0) {
-                continue;
-            }
-            let level = of[lane];
-            let texel = |right: usize, down: usize| {
-                texel(simd, level, columns[right][lane] as usize, rows[down][lane] as usize)
-            };
-            let upper = lerp(texel(0, 0), texel(1, 0), x[lane]);
-            let lower = lerp(texel(0, 1), texel(1, 1), x[lane]);
-            let mut color = lerp(upper, lower, y[lane]);
-            if smaller == 1 {
-                color = lerp(f32x4::load_array(simd, found[lane]), color, fraction);
-            }
-            found[lane] = color.to_array();
-        }
+    let found = between_texels(simd, texture, map, [u, v], probes.level);
+    let blends = probes.fraction.simd_gt(splat(simd, 0.0));
+    if blends.to_bitmask() as u32 & lanes == 0 {
+        return found;
     }
-    for lane in each_lane(lanes) {
-        let sum = f32x4::load_array(simd, sums[lane]) + f32x4::load_array(simd, found[lane]);
-        sums[lane] = sum.to_array();
+    let next = (probes.level + 1).min(splat_i(simd, MAX_LEVELS as i32 - 1));
+    let smaller = between_texels(simd, texture, map, [u, v], next);
+    let mut blended = found;
+    for (blended, (found, smaller)) in blended.iter_mut().zip(found.into_iter().zip(smaller)) {
+        *blended = blends.select(lerp(found, smaller, probes.fraction), found);
     }
+    blended
+}
+
+/// What is between four texels of a mipmap at 16 points, in coordinates from 0 to 1, v downwards. Not inlined, because it is
+/// long and called twice.
+#[inline(never)]
+fn between_texels<S: Simd>(
+    simd: S,
+    texture: &Texture,
+    map: &TextureMap,
+    [u, v]: [f32x16<S>; 2],
+    level: i32x16<S>,
+) -> [f32x16<S>; 4] {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let table = texture.table();
+            let of = |sizes: &[i32; MAX_LEVELS]| lookup_16(simd, i32x16::load_array_ref(simd, sizes), level);
+            let (width, first) = (of(&table.width), of(&table.first));
+            let (columns, x) = around(simd, map.wrap[0], u, width);
+            let (rows, y) = around(simd, map.wrap[1], v, of(&table.height));
+            let rows = [rows[0] * width + first, rows[1] * width + first];
+            let texels =
+                |row: usize, column: usize| texels(simd, texture.texels(), rows[row] + columns[column]);
+            let (upper, lower) = ([texels(0, 0), texels(0, 1)], [texels(1, 0), texels(1, 1)]);
+            let mut found = upper[0];
+            for (k, found) in found.iter_mut().enumerate() {
+                let upper = lerp(upper[0][k], upper[1][k], x);
+                let lower = lerp(lower[0][k], lower[1][k], x);
+                *found = lerp(upper, lower, y);
+            }
+            found
+        },
+    )
+}
+
+/// The texels with 16 numbers, by channel; 0 to 65535.
+#[inline(always)]
+fn texels<S: Simd>(simd: S, texels: &[[u16; 4]], numbers: i32x16<S>) -> [f32x16<S>; 4] {
+    let [low, high] = lookup_fours(simd, texels, numbers);
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let sixteen_bits = splat_i(simd, 0xffff);
+            [low & sixteen_bits, (low >> 16) & sixteen_bits, high & sixteen_bits, (high >> 16) & sixteen_bits]
+                .map(
+                    #[inline(always)]
+                    |channel| channel.to_float(),
+                )
+        },
+    )
 }
 
 #[inline(always)]
-fn texel<S: Simd>(simd: S, level: &Level, x: usize, y: usize) -> f32x4<S> {
-    let [r, g, b, a] = level.texels[y * level.width as usize + x];
-    f32x4::load_array(simd, [f32::from(r), f32::from(g), f32::from(b), f32::from(a)])
-}
-
-#[inline(always)]
-fn lerp<S: Simd>(a: f32x4<S>, b: f32x4<S>, t: f32) -> f32x4<S> {
+fn lerp<S: Simd>(a: f32x16<S>, b: f32x16<S>, t: f32x16<S>) -> f32x16<S> {
     a + (b - a) * t
 }
 
-/// The nearest texel of each point.
+/// The nearest texel of each point; 0 to 65535.
 #[inline(always)]
-fn nearest<S: Simd>(
-    simd: S,
-    level: &Level,
-    map: &TextureMap,
-    [u, v]: [f32x16<S>; 2],
-    lanes: u32,
-    into: &mut [[f32; 4]; LANES],
-) {
-    let x = wrapped(simd, map.wrap[0], u) * level.width as f32;
-    let y = (splat(simd, 1.0) - wrapped(simd, map.wrap[1], v)) * level.height as f32;
-    let [x, y] = [x.to_int::<i32x16<S>>().to_array(), y.to_int::<i32x16<S>>().to_array()];
-    for lane in each_lane(lanes) {
-        let (x, y) = (
-            (x[lane] as usize).min(level.width as usize - 1),
-            (y[lane] as usize).min(level.height as usize - 1),
-        );
-        into[lane] = texel(simd, level, x, y).to_array();
-    }
+fn nearest<S: Simd>(simd: S, texture: &Texture, map: &TextureMap, [u, v]: [f32x16<S>; 2]) -> [f32x16<S>; 4] {
+    let level = texture.level(0);
+    let [width, height] = [level.width as i32, level.height as i32];
+    let x = wrapped(simd, map.wrap[0], u) * width as f32;
+    let y = (splat(simd, 1.0) - wrapped(simd, map.wrap[1], v)) * height as f32;
+    let x = x.to_int::<i32x16<S>>().min(splat_i(simd, width - 1));
+    let y = y.to_int::<i32x16<S>>().min(splat_i(simd, height - 1));
+    texels(simd, level.texels, y * width + x)
 }
