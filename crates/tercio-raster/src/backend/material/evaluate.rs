@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::{AlphaMode, Material, TextureMap};
 
-use super::texture::{TexturePoints, sample};
+use super::texture::{Colors, TexturePoints, sample};
 use super::{NO_MATERIAL, Pixels};
 use crate::backend::light::Vec3x16;
 use crate::context::FrameContext;
@@ -36,12 +36,16 @@ pub struct Own<S: Simd> {
 
 /// The lanes of one material.
 #[derive(Clone, Copy)]
-struct Lanes<S: Simd> {
+struct Lanes<'a, S: Simd> {
+    simd: S,
     lanes: u32,
     mask: mask32x16<S>,
+    context: &'a FrameContext<'a>,
+    points: Option<&'a TexturePoints<S>>,
 }
 
-impl<S: Simd> Lanes<S> {
+// Methods and not closures, which would not be compiled at the kernel's SIMD level.
+impl<S: Simd> Lanes<'_, S> {
     #[inline(always)]
     fn set(self, to: &mut f32x16<S>, value: f32x16<S>) {
         *to = self.mask.select(value, *to);
@@ -50,6 +54,35 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     fn set_color(self, to: &mut Vec3x16<S>, value: Vec3x16<S>) {
         *to = each3!(K => self.mask.select(value[K], to[K]));
+    }
+
+    /// Samples a texture, if there is one; returns also whether it is opaque.
+    #[inline(always)]
+    fn sampled(self, map: Option<&TextureMap>) -> Option<(Colors<S>, bool)> {
+        let (map, points) = (map?, self.points?);
+        let texture = &self.context.scene.textures[map.texture as usize];
+        let filter = self.context.settings.texture_filter;
+        Some((sample(self.simd, texture, map, filter, points, self.lanes), texture.is_opaque()))
+    }
+
+    /// Sets a colour that a texture may tint.
+    #[inline(always)]
+    fn tint(self, map: Option<&TextureMap>, color: [f32; 3], to: &mut Vec3x16<S>) {
+        let mut value = each3!(K => splat(self.simd, color[K]));
+        if let Some((found, _)) = self.sampled(map) {
+            value = each3!(K => value[K] * found[K]);
+        }
+        self.set_color(to, value);
+    }
+
+    /// Sets a number that a channel of a texture may scale.
+    #[inline(always)]
+    fn scale(self, map: Option<&TextureMap>, channel: usize, value: f32, to: &mut f32x16<S>) {
+        let mut value = splat(self.simd, value);
+        if let Some((found, _)) = self.sampled(map) {
+            value = found[channel] * value;
+        }
+        self.set(to, value);
     }
 }
 
@@ -94,37 +127,21 @@ impl<S: Simd> Evaluated<S> {
                     &surface
                 }
             };
-            found.material(simd, context, material, points, own, Lanes { lanes, mask });
+            found.material(simd, material, own, Lanes { simd, lanes, mask, context, points });
         }
         found
     }
 
     /// Evaluates one material in some lanes.
     #[inline(always)]
-    fn material(
-        &mut self,
-        simd: S,
-        context: &FrameContext,
-        material: &Material,
-        points: Option<&TexturePoints<S>>,
-        own: Option<&Own<S>>,
-        some: Lanes<S>,
-    ) {
+    fn material(&mut self, simd: S, material: &Material, own: Option<&Own<S>>, of: Lanes<S>) {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let color = |c: [f32; 3]| -> Vec3x16<S> { each3!(K => splat(simd, c[K])) };
-        // Samples a texture, if there is one; returns also whether it is opaque.
-        let sampled = |map: &Option<TextureMap>| {
-            let (Some(map), Some(points)) = (map, points) else { return None };
-            let texture = &context.scene.textures[map.texture as usize];
-            let found = sample(simd, texture, map, context.settings.texture_filter, points, some.lanes);
-            Some((found, texture.is_opaque()))
-        };
         let mut alpha = splat(simd, if material.opacity < 1.0 { material.opacity.max(0.0) } else { 1.0 });
         if let Some(own) = own {
             alpha *= own.alpha;
         }
-        let base = color(material.base_color);
-        let albedo: Vec3x16<S> = match (sampled(&material.base_color_map), own) {
+        let base = each3!(K => splat(simd, material.base_color[K]));
+        let albedo: Vec3x16<S> = match (of.sampled(material.base_color_map.as_ref()), own) {
             (Some(([r, g, b, _], true)), _) => each3!(K => base[K] * [r, g, b][K]),
             (Some(([r, g, b, a], false)), _) => {
                 alpha *= a;
@@ -134,8 +151,8 @@ impl<S: Simd> Evaluated<S> {
             (None, Some(own)) => own.color,
             (None, None) => base,
         };
-        some.set_color(&mut self.albedo, albedo);
-        if let Some((found, _)) = sampled(&material.opacity_map) {
+        of.set_color(&mut self.albedo, albedo);
+        if let Some((found, _)) = of.sampled(material.opacity_map.as_ref()) {
             alpha *= found[0];
         }
         let alpha = match material.alpha_mode {
@@ -143,34 +160,21 @@ impl<S: Simd> Evaluated<S> {
             AlphaMode::Cutout(least) => alpha.simd_ge(splat(simd, least)).select(one, zero),
             AlphaMode::Opaque => one,
         };
-        some.set(&mut self.alpha, alpha);
+        of.set(&mut self.alpha, alpha);
         let shininess = splat_i(simd, material.shininess_log2 as i32);
-        self.shininess_log2 = some.mask.select(shininess, self.shininess_log2);
-        let tint = |map: &Option<TextureMap>, tint: [f32; 3], to: &mut Vec3x16<S>| {
-            let mut value = color(tint);
-            if let Some((found, _)) = sampled(map) {
-                value = each3!(K => value[K] * found[K]);
-            }
-            some.set_color(to, value);
-        };
-        tint(&material.specular_map, material.specular, &mut self.specular);
-        tint(&material.emissive_map, material.emissive, &mut self.emissive);
-        let share = |map: &Option<TextureMap>, channel: usize, of: f32, to: &mut f32x16<S>| {
-            let mut value = splat(simd, of);
-            if let Some((found, _)) = sampled(map) {
-                value = found[channel] * value;
-            }
-            some.set(to, value);
-        };
-        share(&material.roughness_map, 1, material.roughness, &mut self.roughness);
-        share(&material.metallic_map, 2, material.metallic, &mut self.metallic);
-        share(&material.occlusion_map, 0, 1.0, &mut self.occlusion);
-        if let (Some(map), Some((found, _))) = (&material.normal_map, sampled(&material.normal_map)) {
-            self.bumped |= some.lanes;
+        self.shininess_log2 = of.mask.select(shininess, self.shininess_log2);
+        of.tint(material.specular_map.as_ref(), material.specular, &mut self.specular);
+        of.tint(material.emissive_map.as_ref(), material.emissive, &mut self.emissive);
+        of.scale(material.roughness_map.as_ref(), 1, material.roughness, &mut self.roughness);
+        of.scale(material.metallic_map.as_ref(), 2, material.metallic, &mut self.metallic);
+        of.scale(material.occlusion_map.as_ref(), 0, 1.0, &mut self.occlusion);
+        let map = material.normal_map.as_ref();
+        if let (Some(map), Some((found, _))) = (map, of.sampled(map)) {
+            self.bumped |= of.lanes;
             let scale = [material.normal_scale, material.normal_scale, 1.0];
-            some.set_color(&mut self.tangent, each3!(K => (found[K] * 2.0 - one) * scale[K]));
-            some.set(&mut self.uv_scale[0], splat(simd, map.scale[0]));
-            some.set(&mut self.uv_scale[1], splat(simd, map.scale[1]));
+            of.set_color(&mut self.tangent, each3!(K => (found[K] * 2.0 - one) * scale[K]));
+            of.set(&mut self.uv_scale[0], splat(simd, map.scale[0]));
+            of.set(&mut self.uv_scale[1], splat(simd, map.scale[1]));
         }
     }
 }

@@ -38,11 +38,10 @@ fn for_each_light<S: Simd>(
     normal: Vec3x16<S>,
     mut add: impl FnMut(Seen<S>),
 ) {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let lit = |to_light: Vec3x16<S>| dot(normal, to_light).simd_gt(zero).to_bitmask() as u32 & 0xffff;
+    let one = splat(simd, 1.0);
     for (number, light) in rig.distant.iter().enumerate() {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
-        let lanes = lit(to_light);
+        let lanes = lit(simd, normal, to_light);
         if lanes != 0 {
             let share = shadows.lit(simd, LightNumber::Distant(number), lanes);
             add(Seen { to_light, color: light.color, is_wide: false, share });
@@ -51,7 +50,7 @@ fn for_each_light<S: Simd>(
     for (number, light) in rig.near.iter().enumerate() {
         let offset = each3!(K => splat(simd, light.position[K]) - position[K]);
         let to_light = normalize(simd, offset, beside(simd, rig));
-        let lanes = lit(to_light);
+        let lanes = lit(simd, normal, to_light);
         if lanes != 0 {
             let mut in_cone = one;
             if let Some(cone) = light.cone {
@@ -66,10 +65,16 @@ fn for_each_light<S: Simd>(
     }
     for light in &rig.highlights {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
-        if lit(to_light) != 0 {
+        if lit(simd, normal, to_light) != 0 {
             add(Seen { to_light, color: light.color, is_wide: true, share: one });
         }
     }
+}
+
+/// The lanes of surfaces that face a light.
+#[inline(always)]
+fn lit<S: Simd>(simd: S, normal: Vec3x16<S>, to_light: Vec3x16<S>) -> u32 {
+    dot(normal, to_light).simd_gt(splat(simd, 0.0)).to_bitmask() as u32 & 0xffff
 }
 
 /// A number that is 0 where it is not above 0, and at most 1.

@@ -125,19 +125,26 @@ fn points<S: Simd>(
         return None;
     }
     let at = pixels.at;
-    let mix = |k: usize| {
-        let [a, b, c] = [corners.uv[0][k], corners.uv[1][k], corners.uv[2][k]];
-        (at.weight[0] * a + at.weight[1] * b) + at.weight[2] * c
-    };
-    let uv = [mix(0), mix(1)];
-    let change = |by: Vec3x16<S>, k: usize| {
-        let [a, b, c] = [corners.uv[0][k] - uv[k], corners.uv[1][k] - uv[k], corners.uv[2][k] - uv[k]];
-        (by[0] * a + by[1] * b) + by[2] * c
-    };
+    // Not closures, which would not be compiled at the kernel's SIMD level.
+    let uv = [between(corners, &at.weight, 0), between(corners, &at.weight, 1)];
     let [right, down] = at.gradients(simd, context, object, pixels.sample, corners);
     Some(TexturePoints {
         uv,
-        right: [change(right, 0), change(right, 1)],
-        down: [change(down, 0), change(down, 1)],
+        right: [change(corners, uv, &right, 0), change(corners, uv, &right, 1)],
+        down: [change(corners, uv, &down, 0), change(corners, uv, &down, 1)],
     })
+}
+
+/// Interpolates a texture coordinate.
+#[inline(always)]
+fn between<S: Simd>(corners: &Corners<S>, weight: &Vec3x16<S>, k: usize) -> f32x16<S> {
+    let [a, b, c] = [corners.uv[0][k], corners.uv[1][k], corners.uv[2][k]];
+    (weight[0] * a + weight[1] * b) + weight[2] * c
+}
+
+/// The change of a texture coordinate, from [`Interpolation::gradients`].
+#[inline(always)]
+fn change<S: Simd>(corners: &Corners<S>, uv: [f32x16<S>; 2], by: &Vec3x16<S>, k: usize) -> f32x16<S> {
+    let [a, b, c] = [corners.uv[0][k] - uv[k], corners.uv[1][k] - uv[k], corners.uv[2][k] - uv[k]];
+    (by[0] * a + by[1] * b) + by[2] * c
 }

@@ -58,17 +58,12 @@ fn sample_inline<S: Simd>(
     points: &TexturePoints<S>,
     lanes: u32,
 ) -> Colors<S> {
-    let scaled = |d: [f32x16<S>; 2]| [d[0] * map.scale[0], d[1] * map.scale[1]];
-    let uv = scaled(points.uv);
+    let uv = scaled(map, points.uv);
     let uv = [uv[0] + splat(simd, map.offset[0]), uv[1] + splat(simd, map.offset[1])];
     if filter == TextureFilter::Nearest {
-        let most = splat(simd, 65535.0);
-        return nearest(simd, texture, map, uv).map(
-            #[inline(always)]
-            |c| c / most,
-        );
+        return over(nearest(simd, texture, map, uv), splat(simd, 65535.0));
     }
-    let probes = probes(simd, texture, filter, scaled(points.right), scaled(points.down));
+    let probes = probes(simd, texture, filter, scaled(map, points.right), scaled(map, points.down));
     let count: f32x16<S> = probes.count.to_float();
     let mut sums = [splat(simd, 0.0); 4];
     let (mut number, mut left) = (0, lanes);
@@ -83,11 +78,18 @@ fn sample_inline<S: Simd>(
         number += 1;
         left &= probes.count.simd_gt(splat_i(simd, number)).to_bitmask() as u32;
     }
-    let most = count * 65535.0;
-    sums.map(
-        #[inline(always)]
-        |sum| sum / most,
-    )
+    over(sums, count * 65535.0)
+}
+
+/// All channels divided. Written out, because `map` of arrays would not be compiled at the kernel's SIMD level.
+#[inline(always)]
+fn over<S: Simd>([r, g, b, a]: [f32x16<S>; 4], by: f32x16<S>) -> [f32x16<S>; 4] {
+    [r / by, g / by, b / by, a / by]
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(map: &TextureMap, d: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
+    [d[0] * map.scale[0], d[1] * map.scale[1]]
 }
 
 /// The ellipse that a pixel covers has the axes of the matrix of derivatives, as `major` and `minor`.
@@ -141,10 +143,7 @@ fn probes<S: Simd>(
                     let y = is_wide.select(f, square - e);
                     let unit = major / (x * x + y * y).sqrt();
                     axis = [x * unit / splat(simd, size[0]), y * unit / splat(simd, size[1])];
-                    axis = axis.map(
-                        #[inline(always)]
-                        |c| is_long.select(c, zero),
-                    );
+                    axis = [is_long.select(axis[0], zero), is_long.select(axis[1], zero)];
                 }
             }
             // log2 of the width, linear between powers of two.
@@ -240,14 +239,15 @@ fn between_texels<S: Simd>(
         #[inline(always)]
         || {
             let table = texture.table();
-            let of = |sizes: &[i32; MAX_LEVELS]| lookup_16(simd, i32x16::load_array_ref(simd, sizes), level);
-            let (width, first) = (of(&table.width), of(&table.first));
-            let (columns, x) = around(simd, map.wrap[0], u, width);
-            let (rows, y) = around(simd, map.wrap[1], v, of(&table.height));
-            let rows = [rows[0] * width + first, rows[1] * width + first];
-            let texels =
-                |row: usize, column: usize| texels(simd, texture.texels(), rows[row] + columns[column]);
-            let (upper, lower) = ([texels(0, 0), texels(0, 1)], [texels(1, 0), texels(1, 1)]);
+            let width = lookup_16(simd, i32x16::load_array_ref(simd, &table.width), level);
+            let height = lookup_16(simd, i32x16::load_array_ref(simd, &table.height), level);
+            let first = lookup_16(simd, i32x16::load_array_ref(simd, &table.first), level);
+            let ([left, right], x) = around(simd, map.wrap[0], u, width);
+            let ([top, bottom], y) = around(simd, map.wrap[1], v, height);
+            let [top, bottom] = [top * width + first, bottom * width + first];
+            let all = texture.texels();
+            let upper = [texels(simd, all, top + left), texels(simd, all, top + right)];
+            let lower = [texels(simd, all, bottom + left), texels(simd, all, bottom + right)];
             let mut found = upper[0];
             for (k, found) in found.iter_mut().enumerate() {
                 let upper = lerp(upper[0][k], upper[1][k], x);
@@ -268,11 +268,9 @@ fn texels<S: Simd>(simd: S, texels: &[[u16; 4]], numbers: i32x16<S>) -> [f32x16<
         #[inline(always)]
         || {
             let sixteen_bits = splat_i(simd, 0xffff);
-            [low & sixteen_bits, (low >> 16) & sixteen_bits, high & sixteen_bits, (high >> 16) & sixteen_bits]
-                .map(
-                    #[inline(always)]
-                    |channel| channel.to_float(),
-                )
+            let [r, g] = [low & sixteen_bits, (low >> 16) & sixteen_bits];
+            let [b, a] = [high & sixteen_bits, (high >> 16) & sixteen_bits];
+            [r.to_float(), g.to_float(), b.to_float(), a.to_float()]
         },
     )
 }
