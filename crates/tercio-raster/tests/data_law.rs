@@ -37,6 +37,10 @@ fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
         });
     }
     let count = mesh.positions.len();
+    let color = |n: usize| [(n * 37 % 256) as u8, (n * 11 % 256) as u8, (n % 256) as u8, 255];
+    mesh.vertex_colors.get_or_insert_with(|| (0..count).map(color).collect());
+    let of_faces = (0..mesh.triangles.len()).map(|n| color(n + 5)).collect();
+    mesh.face_colors.get_or_insert(of_faces);
     mesh.texcoords.get_or_insert_with(|| (0..count).map(|v| [0.5, (v % 7) as f32 * 0.25]).collect());
     mesh
 }
@@ -136,6 +140,35 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
                     below: Some([3, 2, 100, 255]),
                     above: Some([250, 200, 3, 255]),
                     ..colors("viridis")
+                },
+            ),
+        ),
+        (
+            "red",
+            mapped(
+                DataSource::Color(0, AttributeDomain::Vertex),
+                DataColors { range: [20.0, 200.0], ..colors("magma") },
+            ),
+        ),
+        (
+            "green of cells",
+            mapped(
+                DataSource::Color(1, AttributeDomain::Triangle),
+                DataColors { range: [0.0, 255.0], bands: Some(5), ..colors("turbo") },
+            ),
+        ),
+        ("levels", mapped(attribute(0), DataColors { levels: vec![-0.2, 0.4, 1.0], ..colors("viridis") })),
+        ("levels of cells", mapped(attribute(6), DataColors { levels: vec![0.0, 0.7], ..colors("Set1") })),
+        (
+            "levels and log",
+            mapped(
+                attribute(1),
+                DataColors {
+                    scale: Scale::Log,
+                    range: [1e-3, 2.0],
+                    levels: vec![0.01, 0.1, 0.5],
+                    isolines: lines(1.5),
+                    ..colors("cividis")
                 },
             ),
         ),
