@@ -46,6 +46,7 @@ impl Info {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.model.check_is_no_scene()?;
         let files = NamedFiles::default().reads_model(&self.model.model).prints();
         files.ready()?;
         ending::name_model(self.model.name());
