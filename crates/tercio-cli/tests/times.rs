@@ -167,6 +167,22 @@ fn texts_tell_time_step_and_name() {
     }
     let one = draw(&place, "run.pvd --step 1 --title {time}-{step}");
     assert!(one == draw(&place, "b.vtk --title 0.25-1"));
+    // The texts of a scalar bar and of a scale bar are no others.
+    let bar = "--color-by p --bar-title {name}-{time:.2f} --bar-unit {step} --scale-bar={step}";
+    place.run(&format!("render run.pvd -o bar{{}}.png {bar} --range-over each {VIEW}")).ok_silently();
+    let same = draw(&place, "b.vtk --color-by p --bar-title run-0.25 --bar-unit 1 --scale-bar=1");
+    assert!(place.read("bar1.png") == same);
+    let plain = draw(&place, "b.vtk --color-by p --bar-title {{x}}");
+    assert!(plain != draw(&place, "b.vtk --color-by p --bar-title x"));
+    for (option, text) in [("--bar-title", "{foo}"), ("--bar-unit", "{frame}"), ("--bar-title", "{")] {
+        place.run(&format!("render b.vtk -o s.png --color-by p {option} {text}")).failed(2, &[text, "{"]);
+    }
+    place.run("render b.vtk -o s.png --scale-bar={foo}").failed(2, &["{foo}", "{time}"]);
+    // The name of an attribute is no pattern.
+    let text = String::from_utf8(place.read("b.vtk")).unwrap().replace("SCALARS p ", "SCALARS {step} ");
+    std::fs::write(place.path("braces.vtk"), text).unwrap();
+    let braces = draw(&place, "braces.vtk --color-by {step}");
+    assert!(braces == draw(&place, "b.vtk --color-by p --bar-title {{step}}"));
     // A turntable counts, and doubled braces are text.
     place.run("render model.off -o s{}.png --turntable 2 --text {frame} --size 48x36 --quiet").ok_silently();
     assert!(place.read("s0.png") != place.read("s1.png"));

@@ -113,7 +113,8 @@ impl Render {
 
     /// The time that a file of VTK has, if the name of an output or a text shows it.
     fn own_time(&self, model: &Path) -> Option<f64> {
-        let is_shown = self.writing.has_placeholder("time") || self.annotation.has_placeholder("time");
+        let is_shown = self.writing.has_placeholder("time")
+            || self.members().any(|member| member.annotation.has_placeholder("time"));
         if is_shown { self.time_of_file(model) } else { None }
     }
 
