@@ -123,6 +123,15 @@ fn levels_have_the_color_of_their_middle() {
     assert_eq!([0.1, 0.3, 0.9].map(|value| colors.color(value)[0]), [1, 2, 1]);
     let banded = DataColors { bands: Some(1), ..colors };
     assert_eq!(banded.boundaries(), [0.0, 1.0]);
+    // 0.3 is the end of values in `f32` up to 0.3, and no band is between.
+    let ends = [0.1f32, 0.3f32].map(f64::from);
+    let at_ends = DataColors { bands: None, levels: vec![0.3, 0.2], range: ends, ..banded };
+    assert_eq!(at_ends.boundaries(), [ends[0], 0.2, ends[1]]);
+    // Less an offset they are apart.
+    let offset = 4e6 + 0.1;
+    let range = [offset, offset + 0.25];
+    let far = DataColors { levels: vec![offset + 0.125], range, offset, ..at_ends };
+    assert_eq!(far.boundaries(), [range[0], offset + 0.125, range[1]]);
 }
 
 #[test]
