@@ -91,6 +91,22 @@ fn files_of_a_series_have_times_of_their_own() {
         place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36 -q")).ok_silently();
         assert!(place.read("own.png") == place.read("text.png"), "{file}");
     }
+    // It is told, also where the field is behind the points.
+    let text = String::from_utf8(place.read("a.vtk")).unwrap();
+    let field = "FIELD FieldData 1\nTIME 1 1 float\n1e9\nPOINT_DATA";
+    std::fs::write(place.path("behind.vtk"), text.replace("POINT_DATA", field)).unwrap();
+    for (file, time) in
+        [("step_c.vtk", Some("0.30000000000000004")), ("behind.vtk", Some("1000000000")), ("a.vtk", None)]
+    {
+        let told = place.run(&format!("info {file}")).ok_silently();
+        let row = told.text().lines().find(|line| line.starts_with("time ")).map(|line| line[5..].trim());
+        assert_eq!(row, time, "{}", told.text());
+        let told = place.run(&format!("info {file} --json")).ok_silently();
+        let told: serde_json::Value = serde_json::from_str(told.text()).unwrap();
+        assert_eq!(told["time"].as_f64(), time.map(|time| time.parse().unwrap()), "{file}");
+    }
+    place.run(&format!("render behind.vtk -o b{{time:.1e}}.png {VIEW}")).ok_silently();
+    assert!(place.read("b1.0e+09.png") == draw(&place, "a.vtk"));
     // What cannot be read stops no batch.
     let batch =
         place.run(&format!("render step_a.vtk missing.vtk step_b.vtk -o b_{{name}}_{{time}}.png {VIEW}"));
@@ -113,6 +129,8 @@ fn one_time_is_chosen_by_number_or_by_the_nearest_time() {
     }
     let near = place.run("render run.pvd --time 0.26 -o n.png --size 48x36");
     assert!(near.stderr.contains("has no time 0.26; the nearest is 0.25, step 1"), "{}", near.stderr);
+    let turned = place.run("render run.pvd -o n.gif --turntable 2 --size 48x36");
+    assert!(turned.stderr.contains("holds 3 times, of which the first is read, 0.1"), "{}", turned.stderr);
     let first = place.run("render run.pvd -o n.png --size 48x36");
     assert!(first.stderr.contains("holds 3 times, of which the first is read, 0.1"), "{}", first.stderr);
     place.run("render run.pvd -o n.png --step 3").failed(2, &["--step 3", "its steps are 0 to 2"]);
