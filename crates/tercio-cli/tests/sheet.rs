@@ -211,6 +211,17 @@ fn models_of_a_sheet_or_a_batch_share_a_range() {
             assert!(read(&place, &format!("n_{name}.png")) == *expected, "{name} {over}");
         }
     }
+    // The first one that can be read is the first one, which is told.
+    let told = "the range is that of c.off, as bad.off cannot be read";
+    for run in ["render bad.off c.off a.off -o m_{name}.png", "sheet bad.off c.off a.off -o first.png"] {
+        let run = place.run(&format!("{run} {data} --range-over first --size 60x45"));
+        assert!(run.code == Some(1) && run.stderr.contains(told), "{}", run.stderr);
+    }
+    for (name, expected) in ["a", "c"].iter().zip(&of_all) {
+        assert!(read(&place, &format!("m_{name}.png")) == *expected, "{name}");
+    }
+    let sheet = read(&place, "first.png");
+    assert!(of_all.iter().all(|part| has(&sheet, part)));
 }
 
 #[test]

@@ -15,7 +15,8 @@ use tercio::scene::Scene;
 
 use super::Render;
 use super::alone::Artist;
-use super::batch::{Item, side_by_side};
+use super::batch::{Item, Unread, side_by_side};
+use super::steps::OfSeries;
 use crate::args::annotation::{shown, text};
 use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
@@ -304,20 +305,25 @@ fn prepared(mut groups: Vec<Group>, files: &Arc<NamedFiles>, display: &Display) 
     let over = groups.first().and_then(|group| group.steps[0].render.data.range_over());
     // A single one has its own range.
     let over = over.filter(|over| *over != RangeOver::Each && count > 1);
-    let (mut colors, mut all) = (None::<Survey>, Vec::new());
-    for (number, Group { steps, .. }) in groups.iter().enumerate() {
+    let (mut colors, mut all, mut unread) = (None::<Survey>, Vec::new(), Unread::default());
+    for Group { steps, .. } in &groups {
         let models: Vec<ModelArgs> = steps.iter().map(|step| step.render.model.clone()).collect();
         let with_data = match over {
             Some(RangeOver::All) => models.len(),
-            Some(RangeOver::First) if number == 0 => 1,
+            Some(RangeOver::First) if colors.is_none() => 1,
             _ => 0,
         };
         let of_series = steps[0].render.survey_data_of(with_data, &steps[0].job, &models, display);
         let mut of_series = match of_series {
             Err(error) if error.is::<UsageError>() => return Err(error),
-            of_series => of_series.unwrap_or_default(),
+            Err(_) => {
+                unread.add(&steps[0].render);
+                OfSeries::default()
+            }
+            Ok(of_series) => of_series,
         };
         if let Some(own) = of_series.colors.take() {
+            over.into_iter().for_each(|over| unread.warn(over, &steps[0].render));
             colors = Some(colors.unwrap_or_default().and(own));
         }
         all.push(of_series);
