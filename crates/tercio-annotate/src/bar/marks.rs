@@ -22,9 +22,9 @@ fn thinned(mut ticks: Vec<Tick>, most: usize) -> Vec<Tick> {
     let last = ticks.len() - 1;
     let least = last.div_ceil(most.max(2) - 1).max(1);
     // At even distances, unless that takes half of the labels away.
-    let every = (least..2 * least).find(|every| last % every == 0).unwrap_or(least);
+    let every = (least..2 * least).find(|every| last.is_multiple_of(*every)).unwrap_or(least);
     for (number, tick) in ticks.iter_mut().enumerate() {
-        let is_labelled = number % every == 0 && last - number >= every;
+        let is_labelled = number.is_multiple_of(every) && last - number >= every;
         if !is_labelled && number < last {
             tick.label.clear();
         }
