@@ -13,7 +13,7 @@ use crate::project::{Projector, make_room};
 use crate::scale_bar::ScaleLength;
 use crate::{axes_box, floor, scale_bar, triad};
 
-mod margins;
+pub(crate) mod margins;
 
 pub use margins::Shape;
 pub(crate) use margins::sides_of;

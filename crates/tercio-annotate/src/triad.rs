@@ -3,8 +3,9 @@
 use glam::DVec3;
 use tercio_mesh::trig::sin_cos_degrees;
 
+use crate::annotation::margins::MOST_TAKEN;
 use crate::font::{CAP_HEIGHT, Direction, Line};
-use crate::layout::{Layout, Rect, overlap};
+use crate::layout::{Layout, Rect, SHRINK, overlap};
 use crate::outline::Outline;
 use crate::overlay::Paint;
 use crate::project::Projector;
@@ -147,15 +148,24 @@ const TURN: f64 = 15.0;
 /// The largest distance of a name from the origin of the axes, in ems.
 const FARTHEST: f64 = LENGTH + 0.5;
 
+/// The share of the shorter side of a picture that the box of the axes takes as a rule, at most: in small pictures they are smaller.
+const USUAL: f64 = 0.4;
+
+/// The size of the text of the axes, and their unit of length: that of all text, smaller by at most [`SHRINK`] in small pictures.
+fn em(layout: &Layout) -> f64 {
+    let wanted = layout.size[0].min(layout.size[1]) * USUAL / (HALF * 2.0);
+    wanted.clamp(layout.em * SHRINK, layout.em)
+}
+
 /// The size of the box of the axes; `None` where they were most of the picture, so that the model would have no room.
 pub(crate) fn size(layout: &Layout) -> Option<[f64; 2]> {
-    let side = (layout.em * HALF * 2.0).ceil();
-    (side <= layout.size[0].min(layout.size[1]) * 0.6).then_some([side, side])
+    let side = (em(layout) * HALF * 2.0).ceil();
+    (side <= layout.size[0].min(layout.size[1]) * MOST_TAKEN).then_some([side, side])
 }
 
 /// Draws the axes in a box of that size.
 pub(crate) fn draw(layout: &mut Layout, projector: &Projector, rect: Rect) {
-    let em = layout.em;
+    let em = em(layout);
     let middle = [(rect[0] + rect[2]) * 0.5, (rect[1] + rect[3]) * 0.5];
     let arms = arms(projector, em * LENGTH);
     let is_dark = layout.color[1] > 0.4;

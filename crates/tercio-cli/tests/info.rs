@@ -141,3 +141,15 @@ fn lines_and_points_have_materials() {
         assert!(rows.iter().any(|r| r == &row), "{row:?} is not in {}", outcome.text());
     }
 }
+
+/// A scene file is no model, which commands beside render say.
+#[test]
+fn a_scene_file_is_for_render() {
+    let place = Place::new();
+    std::fs::write(place.path("scene.toml"), "models = [\"model.off\"]\n").unwrap();
+    for command in ["info scene.toml", "prepare scene.toml -o x.tercio", "bench scene.toml"] {
+        place
+            .run(command)
+            .failed(2, &["scene.toml: a scene file", "tercio render draws it", "docs/scenes.md"]);
+    }
+}

@@ -162,6 +162,12 @@ fn what_makes_no_sheet_is_refused_before_models_are_read() {
         ("none.off -o a.png --together", &["--together"]),
         ("none.off -o a.png --save-scene a.toml", &["--save-scene"]),
         ("none.off -o a.png --config none", &["--config"]),
+        ("none.off -o x_{foo}.png", &["there is no {foo}", "{name}"]),
+        ("none.off -o x_{frame}.png --turntable 3", &["one picture", "--caption"]),
+        ("none.off a.off -o x_{name}.png", &["a single model", "--caption"]),
+        ("none.off -o x_{frame}.png", &["{frame}"]),
+        ("none.off -o x_{time:5}.png", &["{time:05}"]),
+        ("none.off scene.toml -o a.png", &["scene.toml: a scene file", "tercio render"]),
         ("none.off", &["--output"]),
         ("model.off -o model.off --format png", &["an output must not be an input"]),
     ] {
@@ -205,6 +211,17 @@ fn models_of_a_sheet_or_a_batch_share_a_range() {
             assert!(read(&place, &format!("n_{name}.png")) == *expected, "{name} {over}");
         }
     }
+    // The first one that can be read is the first one, which is told.
+    let told = "the range is that of c.off, as bad.off cannot be read";
+    for run in ["render bad.off c.off a.off -o m_{name}.png", "sheet bad.off c.off a.off -o first.png"] {
+        let run = place.run(&format!("{run} {data} --range-over first --size 60x45"));
+        assert!(run.code == Some(1) && run.stderr.contains(told), "{}", run.stderr);
+    }
+    for (name, expected) in ["a", "c"].iter().zip(&of_all) {
+        assert!(read(&place, &format!("m_{name}.png")) == *expected, "{name}");
+    }
+    let sheet = read(&place, "first.png");
+    assert!(of_all.iter().all(|part| has(&sheet, part)));
 }
 
 #[test]
@@ -216,4 +233,17 @@ fn what_is_wrong_about_a_sheet_is_told() {
     place.run("sheet a.off -o s.png --stereo pair").failed(2, &["--stereo pair"]);
     place.run("sheet a.off -o s.png --title {name}").failed(2, &["--title", "--caption"]);
     place.run("sheet a.off -o s.png --title {foo}").failed(2, &["{foo}", "{time}"]);
+}
+
+#[test]
+fn the_name_of_a_sheet_has_the_placeholders_of_one_picture() {
+    let place = place_with(&["a.off"]);
+    for (arguments, name) in [
+        ("a.off -o one_{name}_{view}.png --view top", "one_a_top.png"),
+        ("a.off -o turn_{name}.png --turntable 2", "turn_a.png"),
+        ("a.off a.off -o x{{1}}.png", "x{1}.png"),
+    ] {
+        place.run(&format!("sheet {arguments} {CELL}")).ok_silently();
+        assert!(place.names().contains(&name.into()), "{name}: {:?}", place.names());
+    }
 }

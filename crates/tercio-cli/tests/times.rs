@@ -91,6 +91,22 @@ fn files_of_a_series_have_times_of_their_own() {
         place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36 -q")).ok_silently();
         assert!(place.read("own.png") == place.read("text.png"), "{file}");
     }
+    // It is told, also where the field is behind the points.
+    let text = String::from_utf8(place.read("a.vtk")).unwrap();
+    let field = "FIELD FieldData 1\nTIME 1 1 float\n1e9\nPOINT_DATA";
+    std::fs::write(place.path("behind.vtk"), text.replace("POINT_DATA", field)).unwrap();
+    for (file, time) in
+        [("step_c.vtk", Some("0.30000000000000004")), ("behind.vtk", Some("1000000000")), ("a.vtk", None)]
+    {
+        let told = place.run(&format!("info {file}")).ok_silently();
+        let row = told.text().lines().find(|line| line.starts_with("time ")).map(|line| line[5..].trim());
+        assert_eq!(row, time, "{}", told.text());
+        let told = place.run(&format!("info {file} --json")).ok_silently();
+        let told: serde_json::Value = serde_json::from_str(told.text()).unwrap();
+        assert_eq!(told["time"].as_f64(), time.map(|time| time.parse().unwrap()), "{file}");
+    }
+    place.run(&format!("render behind.vtk -o b{{time:.1e}}.png {VIEW}")).ok_silently();
+    assert!(place.read("b1.0e+09.png") == draw(&place, "a.vtk"));
     // What cannot be read stops no batch.
     let batch =
         place.run(&format!("render step_a.vtk missing.vtk step_b.vtk -o b_{{name}}_{{time}}.png {VIEW}"));
@@ -113,6 +129,8 @@ fn one_time_is_chosen_by_number_or_by_the_nearest_time() {
     }
     let near = place.run("render run.pvd --time 0.26 -o n.png --size 48x36");
     assert!(near.stderr.contains("has no time 0.26; the nearest is 0.25, step 1"), "{}", near.stderr);
+    let turned = place.run("render run.pvd -o n.gif --turntable 2 --size 48x36");
+    assert!(turned.stderr.contains("holds 3 times, of which the first is read, 0.1"), "{}", turned.stderr);
     let first = place.run("render run.pvd -o n.png --size 48x36");
     assert!(first.stderr.contains("holds 3 times, of which the first is read, 0.1"), "{}", first.stderr);
     place.run("render run.pvd -o n.png --step 3").failed(2, &["--step 3", "its steps are 0 to 2"]);
@@ -167,6 +185,22 @@ fn texts_tell_time_step_and_name() {
     }
     let one = draw(&place, "run.pvd --step 1 --title {time}-{step}");
     assert!(one == draw(&place, "b.vtk --title 0.25-1"));
+    // The texts of a scalar bar and of a scale bar are no others.
+    let bar = "--color-by p --bar-title {name}-{time:.2f} --bar-unit {step} --scale-bar={step}";
+    place.run(&format!("render run.pvd -o bar{{}}.png {bar} --range-over each {VIEW}")).ok_silently();
+    let same = draw(&place, "b.vtk --color-by p --bar-title run-0.25 --bar-unit 1 --scale-bar=1");
+    assert!(place.read("bar1.png") == same);
+    let plain = draw(&place, "b.vtk --color-by p --bar-title {{x}}");
+    assert!(plain != draw(&place, "b.vtk --color-by p --bar-title x"));
+    for (option, text) in [("--bar-title", "{foo}"), ("--bar-unit", "{frame}"), ("--bar-title", "{")] {
+        place.run(&format!("render b.vtk -o s.png --color-by p {option} {text}")).failed(2, &[text, "{"]);
+    }
+    place.run("render b.vtk -o s.png --scale-bar={foo}").failed(2, &["{foo}", "{time}"]);
+    // The name of an attribute is no pattern.
+    let text = String::from_utf8(place.read("b.vtk")).unwrap().replace("SCALARS p ", "SCALARS {step} ");
+    std::fs::write(place.path("braces.vtk"), text).unwrap();
+    let braces = draw(&place, "braces.vtk --color-by {step}");
+    assert!(braces == draw(&place, "b.vtk --color-by p --bar-title {{step}}"));
     // A turntable counts, and doubled braces are text.
     place.run("render model.off -o s{}.png --turntable 2 --text {frame} --size 48x36 --quiet").ok_silently();
     assert!(place.read("s0.png") != place.read("s1.png"));

@@ -8,7 +8,7 @@ use crate::layout::{Layout, Place, Rect, overlap};
 pub(super) type Margins = [f64; 4];
 
 /// Strips take at most this share of the picture's width or height.
-pub(super) const MOST_TAKEN: f64 = 0.6;
+pub(crate) const MOST_TAKEN: f64 = 0.6;
 
 /// Another place is better than the nearest one if it leaves the model more than this, relative to what that leaves.
 const WORTH: f64 = 1.05;

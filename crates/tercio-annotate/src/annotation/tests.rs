@@ -269,6 +269,21 @@ fn axes_point_along_the_axes() {
     }
 }
 
+/// In small pictures the axes are smaller, down to where they would take too much of these.
+#[test]
+fn axes_of_small_pictures_are_smaller() {
+    let annotation = Annotation { axes: Place::named("bottom-left"), ..Annotation::default() };
+    let camera = camera(DVec3::new(3.0, 2.0, 9.0), Projection::Orthographic { height: 5.0 });
+    let side = |size| {
+        let laid_out = check(&annotation, &camera, size, [DVec3::NEG_ONE, DVec3::ONE]);
+        laid_out.placed.first().map(|placed| placed.rect[2] - placed.rect[0])
+    };
+    assert_eq!([(640, 480), (256, 192), (220, 165)].map(side), [Some(66.0); 3]);
+    assert_eq!(side((160, 120)), Some(48.0));
+    assert_eq!(side((128, 96)), Some(47.0));
+    assert_eq!(side((96, 72)), None);
+}
+
 /// A bar that lies across its border takes its room there, as in the usual orientation.
 #[test]
 fn bars_across_their_border_have_room_of_their_own() {

@@ -17,11 +17,15 @@ const ASIDE: f64 = 0.6;
 /// The least distance of marks without numbers, in ems and in pixels: closer ones merge into an area.
 const APART: (f64, f64) = (0.25, 3.0);
 
-/// Marks of which only every second, third ... has a label if there are more than `most`.
+/// Marks of which only every second, third ... has a label if there are more than `most`; both ends have one.
 fn thinned(mut ticks: Vec<Tick>, most: usize) -> Vec<Tick> {
-    let every = (ticks.len() - 1).div_ceil(most.max(2) - 1).max(1);
+    let last = ticks.len() - 1;
+    let least = last.div_ceil(most.max(2) - 1).max(1);
+    // At even distances, unless that takes half of the labels away.
+    let every = (least..2 * least).find(|every| last.is_multiple_of(*every)).unwrap_or(least);
     for (number, tick) in ticks.iter_mut().enumerate() {
-        if number % every > 0 {
+        let is_labelled = number.is_multiple_of(every) && last - number >= every;
+        if !is_labelled && number < last {
             tick.label.clear();
         }
     }
@@ -81,13 +85,19 @@ impl ScalarBar {
         })
     }
 
-    /// Marks without those numbers that would touch the one before them.
+    /// Marks without those numbers that would touch the one before them; of those that are not given, the last one stays.
     pub(crate) fn with_room(&self, mut ticks: Vec<Tick>, length: f64, em: f64) -> Vec<Tick> {
-        let mut end = f64::NEG_INFINITY;
-        for tick in ticks.iter_mut().filter(|tick| !tick.label.is_empty()) {
+        let ends = |tick: &Tick| {
             let (middle, half) = (self.colors.position(tick.value) * length, self.half(tick, em));
-            if middle - half >= end {
-                end = middle + half;
+            [middle - half, middle + half]
+        };
+        let last = ticks.iter().rposition(|tick| !tick.label.is_empty()).filter(|_| !self.has_own_values());
+        let most = last.map_or(f64::INFINITY, |last| ends(&ticks[last])[0]);
+        let mut end = f64::NEG_INFINITY;
+        for (number, tick) in ticks.iter_mut().enumerate().filter(|(_, tick)| !tick.label.is_empty()) {
+            let [begin, own_end] = ends(tick);
+            if begin >= end && (own_end <= most || Some(number) == last) {
+                end = own_end;
             } else {
                 tick.label.clear();
             }
@@ -158,6 +168,13 @@ impl ScalarBar {
 
     /// The borders of bands, with as many digits as it takes to know them to a hundredth of a band.
     fn of_borders(&self, borders: &[f64]) -> Vec<Tick> {
+        // The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there.
+        let short = |&value: &f64| match value as f32 {
+            single if f64::from(single) == value => format!("{single:e}").parse().unwrap_or(value),
+            _ => value,
+        };
+        let values = borders;
+        let borders: Vec<f64> = borders.iter().map(short).collect();
         let width = borders.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let largest = borders.iter().fold(0.0f64, |largest, border| largest.max(border.abs()));
         // A border that is almost 0 is 0 beside the others.
@@ -175,7 +192,8 @@ impl ScalarBar {
             NumberFormat::Auto => number::general(value, digits),
             format => format.print(value),
         };
-        self.alike(borders.iter().map(|&value| Tick { value, label: print(value) }).collect())
+        let tick = |(&value, &border): (&f64, &f64)| Tick { value, label: print(border) };
+        self.alike(values.iter().zip(&borders).map(tick).collect())
     }
 
     /// Marks of which all labels have the same digits after the point, unless a format says how many. On a logarithmic scale small

@@ -33,7 +33,7 @@ pub struct AnnotationArgs {
     /// No scalar bar.
     #[arg(long)]
     no_bar: bool,
-    /// What is written above or beside the scalar bar [default: the name of the data].
+    /// What is written above or beside the scalar bar, with placeholders as in --title [default: the name of the data].
     #[arg(long, value_name = "TEXT", value_parser = text, requires = "color_by", conflicts_with = "no_bar")]
     #[arg(allow_hyphen_values = true)]
     bar_title: Option<String>,
@@ -58,7 +58,7 @@ pub struct AnnotationArgs {
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
     /// A title above the picture's middle; \n begins a line, and {name}, {frame}, {view}, {step} and {time} (or {time:.2f}) stand for
-    /// what they do in the names of outputs; {{ and }} are braces.
+    /// what they do in the names of outputs; {{ and }} are braces. It is the same in all texts: of --text, --bar-title, units.
     #[arg(long, value_name = "TEXT", value_parser = text, allow_hyphen_values = true)]
     title: Option<String>,
     /// A text in the picture, several times; PLACE as with --bar [default: top-left]; \n and placeholders as in --title.
@@ -185,13 +185,9 @@ impl AnnotationArgs {
         [color.unwrap_or_else(|| readable_on(ground)), ground]
     }
 
-    /// Whether texts have placeholders to be filled in, or doubled braces that stand for braces.
-    pub fn has_braces(&self) -> bool {
-        self.texts().any(|text| text.contains(['{', '}']))
-    }
-
     fn texts(&self) -> impl Iterator<Item = &String> {
-        self.title.iter().chain(self.text.iter().map(|caption| &caption.text))
+        let texts = self.title.iter().chain(self.text.iter().map(|caption| &caption.text));
+        texts.chain(&self.bar_title).chain(&self.bar_unit).chain(&self.scale_bar)
     }
 
     /// Whether a text has a placeholder of this name.
@@ -242,10 +238,12 @@ impl AnnotationArgs {
         let place = self.bar.unwrap_or(Place { x: 1.0, y: 0.5 });
         let is_level = place.x == 0.5 && (place.y == 0.0 || place.y == 1.0);
         let is_upright = self.bar_orientation.map_or(!is_level, |given| given == Orientation::Vertical);
-        let title = self.bar_title.as_deref().unwrap_or(&colors.title);
+        // The name of an attribute has no placeholders.
+        let name = || colors.title.replace('{', "{{").replace('}', "}}");
+        let title = self.bar_title.clone().unwrap_or_else(name);
         let title = match &self.bar_unit {
             Some(unit) => format!("{title} ({unit})"),
-            None => title.to_owned(),
+            None => title,
         };
         ScalarBar {
             colors: colors.clone(),
@@ -260,13 +258,24 @@ impl AnnotationArgs {
     }
 }
 
+/// Whether texts have placeholders to be filled in, or doubled braces that stand for braces.
+pub fn has_braces(annotation: &Annotation) -> bool {
+    let captions = annotation.captions.iter().map(|caption| &caption.text);
+    let titles = annotation.bars.iter().map(|bar| &bar.title);
+    let units = annotation.scale_bar.iter().map(|(_, unit)| unit);
+    captions.chain(titles).chain(units).any(|text| text.contains(['{', '}']))
+}
+
 /// The annotation of one picture: with what the placeholders of its texts stand for there.
 pub fn of_picture(annotation: &Annotation, names: &Names) -> Annotation {
     let mut annotation = annotation.clone();
-    for caption in &mut annotation.captions {
+    let captions = annotation.captions.iter_mut().map(|caption| &mut caption.text);
+    let titles = annotation.bars.iter_mut().map(|bar| &mut bar.title);
+    let units = annotation.scale_bar.iter_mut().map(|(_, unit)| unit);
+    for text in captions.chain(titles).chain(units).filter(|text| text.contains(['{', '}'])) {
         // Checked before.
-        if let Ok(text) = pattern::expand_text(&caption.text, names, true) {
-            caption.text = shown(&text);
+        if let Ok(filled) = pattern::expand_text(text, names, true) {
+            *text = shown(&filled);
         }
     }
     annotation

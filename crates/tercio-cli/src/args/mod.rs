@@ -30,7 +30,7 @@ use tercio::image::StandardStream;
 
 use crate::output::UsageError;
 use crate::threads::MAX_THREADS;
-use crate::{memory, threads};
+use crate::{memory, scene_file, threads};
 
 /// When progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -97,6 +97,20 @@ impl ModelArgs {
             return Err(UsageError("standard input reaches one rank only: name a file".into()));
         }
         Ok(())
+    }
+
+    /// Checks that it is no scene file, for commands that take models only.
+    ///
+    /// # Errors
+    /// [`UsageError`] that says what a scene file is, and which command takes it.
+    pub fn check_is_no_scene(&self) -> Result<(), UsageError> {
+        if !scene_file::is_scene(&self.model) {
+            return Ok(());
+        }
+        let name = self.name();
+        Err(UsageError(format!(
+            "{name}: a scene file says which models are drawn into one picture, and how; tercio render draws it: name a model here (docs/scenes.md)"
+        )))
     }
 
     /// The model's name in messages, the same as in those of the reader.

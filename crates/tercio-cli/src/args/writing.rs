@@ -36,7 +36,8 @@ pub struct WritingArgs {
     /// WebP is lossless, and a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
     /// edges or contours as vectors, cut where they are hidden. For series {frame} or {:04} in the name stands for the number of a
     /// picture, {view} for its view, {step} for the number of its model, {time} for its time in a collection, and {name} for the name of
-    /// its model ({{ and }} are braces); a folder that is missing is made for them. Films are .gif, .webp,
+    /// its model ({{ and }} are braces, numbers are filled with zeros, as in {:04}, and times have a form as in Python: {time:06.2f},
+    /// {time:.1e}, {time:.3g}); a folder that is missing is made for them. Films are .gif, .webp,
     /// .apng, .y4m, and .mp4, .webm, .mkv and
     /// .mov, which need ffmpeg.
     #[arg(short, long, alias = "screenshot", value_name = "FILE")]

@@ -114,6 +114,7 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.model.check_is_no_scene()?;
         self.textures.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
         let files = self.ranks.named_files(NamedFiles::default().reads_model(&self.model.model)).prints();
         files.ready()?;

@@ -13,6 +13,7 @@ use tercio::mesh::{Aabb, AttributeDomain, FileMaterial, FileTexture, TextureChan
 use tercio::{AttributeSummary, Inspection, LoadOptions, LoadReport, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
+use crate::commands::render::models::time_of_file;
 use crate::named_files::NamedFiles;
 use crate::output::write_text;
 use crate::progress::Display;
@@ -46,6 +47,7 @@ impl Info {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.model.check_is_no_scene()?;
         let files = NamedFiles::default().reads_model(&self.model.model).prints();
         files.ready()?;
         ending::name_model(self.model.name());
@@ -58,7 +60,15 @@ impl Info {
                 messages::warning(&format!("{model}: {warning}"));
             }
         }
-        let text = if self.json { format!("{:#}\n", json(&model, &loaded)) } else { text(&model, &loaded) };
+        let time =
+            time_of_file(&self.model.model, self.running.memory_limit()).filter(|time| time.is_finite());
+        let text = if self.json {
+            let mut value = json(&model, &loaded);
+            value["time"] = time.into();
+            format!("{value:#}\n")
+        } else {
+            text(&model, &loaded, time)
+        };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
@@ -193,7 +203,7 @@ fn extent(bounds: &Aabb, [corners, size_of]: [&'static str; 2]) -> Vec<Row> {
     vec![(corners, format!("{} to {}", point(bounds.min), point(bounds.max))), (size_of, point(size))]
 }
 
-fn text(model: &str, loaded: &Inspection) -> String {
+fn text(model: &str, loaded: &Inspection, time: Option<f64>) -> String {
     let report = &loaded.report;
     let mesh = &report.mesh;
     let mut rows: Vec<Row> = vec![
@@ -206,6 +216,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
     if report.read.file_bytes > 0 {
         rows.insert(2, ("file size", report::size(report.read.file_bytes)));
     }
+    rows.extend(time.map(|time| ("time", time.to_string())));
     if let Some(origin) = &report.prepared {
         let size = report::size(origin.file_bytes);
         rows.insert(1, ("prepared", format!("{size}, from {} by {}", origin.model, origin.program)));

@@ -47,6 +47,7 @@ impl Prepare {
     /// # Errors
     /// [`crate::output::UsageError`] for an output that is an input, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.model.check_is_no_scene()?;
         let output = Destination::from_path(&self.output);
         let files = NamedFiles::default().reads_model(&self.model.model).writes("--output", &output);
         files.ready()?;

@@ -88,7 +88,7 @@ struct Member {
 }
 
 /// Is it the name of a scene file?
-fn is_scene(path: &Path) -> bool {
+pub fn is_scene(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 

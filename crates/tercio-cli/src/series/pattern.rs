@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::form::Form;
+
 /// What a name may say about a picture.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
@@ -20,52 +22,14 @@ pub struct Names {
 const KNOWN: [&str; 6] = ["", "frame", "view", "step", "name", "time"];
 
 /// What there is, for errors.
-const EXPECTED: &str = "expected {}, {frame}, {view}, {step}, {time} or {name}, numbers also as {:04}; {{ and }} stand for braces";
+const EXPECTED: &str =
+    "expected {}, {frame}, {view}, {step}, {time} or {name}, numbers also as {:04} or {time:.2f}";
 
 /// A piece of a pattern.
 enum Piece<'a> {
     Text(&'a str),
-    /// A name between braces, and the form of its number.
-    Place(&'a str, Form),
-}
-
-/// How a number is written.
-#[derive(Clone, Copy)]
-struct Form {
-    /// So many characters at least: zeros before it.
-    width: usize,
-    /// So many digits after the point, of a time.
-    digits: Option<usize>,
-}
-
-impl Form {
-    /// `04`, or of a time also `.2` or `.2f`.
-    fn parse(text: &str, is_time: bool) -> Option<Self> {
-        let (width, digits) =
-            text.split_once('.').map_or((text, None), |(width, digits)| (width, Some(digits)));
-        if digits.is_some() && !is_time {
-            return None;
-        }
-        let number = |text: &str| text.parse().ok().filter(|&n: &usize| n <= 20);
-        let width = if width.is_empty() && digits.is_some() { 0 } else { number(width)? };
-        let digits = match digits {
-            Some(digits) => Some(number(digits.strip_suffix('f').unwrap_or(digits))?),
-            None => None,
-        };
-        Some(Self { width, digits })
-    }
-
-    fn time(self, time: f64) -> String {
-        let Self { width, digits } = self;
-        match digits {
-            Some(digits) => format!("{time:0width$.digits$}"),
-            None => {
-                // 0.1 + 0.2 is 0.3 in most files.
-                let short: f64 = format!("{time:.11e}").parse().unwrap_or(time);
-                format!("{short:0width$}")
-            }
-        }
-    }
+    /// What is between braces, the name in it, and the form of its number.
+    Place(&'a str, &'a str, Form),
 }
 
 /// The pieces of a text; an error if there are placeholders, but not of these names and forms.
@@ -85,18 +49,14 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
             return Err(format!("\"{text}\": a brace without the other one; {{{{ and }}}} stand for braces"));
         };
         let (name, width) = inner.split_once(':').map_or((inner, None), |(name, width)| (name, Some(width)));
-        let form = match width {
-            None => Form { width: 0, digits: None },
-            Some(form) => Form::parse(form, name == "time").ok_or_else(|| {
-                format!(
-                    "\"{text}\": {{{inner}}}: expected a number of digits behind the colon, as in {{:04}} or {{time:.2}}"
-                )
-            })?,
-        };
         if !KNOWN.contains(&name) {
-            return Err(format!("\"{text}\": there is no {{{name}}}: {EXPECTED}"));
+            return Err(format!(
+                "\"{text}\": there is no {{{name}}}: {EXPECTED}; {{{{{inner}}}}} stands for {{{inner}}}"
+            ));
         }
-        pieces.push(Piece::Place(name, form));
+        let form = width.map_or(Ok(Form::default()), |form| Form::parse(form, name));
+        let form = form.map_err(|reason| format!("\"{text}\": {{{inner}}}: {reason}"))?;
+        pieces.push(Piece::Place(inner, name, form));
         rest = after;
     }
     pieces.push(Piece::Text(rest));
@@ -108,7 +68,7 @@ pub fn has(path: &Path, name: &str) -> bool {
     let pieces = path.to_str().map_or_else(|| Ok(Vec::new()), pieces).unwrap_or_default();
     pieces.iter().any(|piece| match piece {
         Piece::Text(_) => false,
-        Piece::Place(found, _) => *found == name || (name.is_empty() && *found == "frame"),
+        Piece::Place(_, found, _) => *found == name || (name.is_empty() && *found == "frame"),
     })
 }
 
@@ -162,14 +122,13 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
             // Braces stay doubled until the last pass.
             Piece::Text(brace @ ("{" | "}")) if !is_last => out.push_str(&brace.repeat(2)),
             Piece::Text(text) => out.push_str(text),
-            Piece::Place(name, form) => {
-                let width = form.width;
+            Piece::Place(inner, name, form) => {
                 let filled = match name {
                     "view" => names.view.clone(),
                     "name" => names.name.clone(),
-                    "step" => names.step.map(|n| format!("{n:0width$}")),
+                    "step" => names.step.map(|n| form.count(n)),
                     "time" => names.time.map(|time| form.time(time)),
-                    _ => names.frame.map(|n| format!("{n:0width$}")),
+                    _ => names.frame.map(|n| form.count(n)),
                 };
                 match filled {
                     // The names of files may have braces, too.
@@ -180,11 +139,7 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
                         let model = model.map_or_else(String::new, |model| format!(" ({model})"));
                         return Err(format!("\"{text}\": {}{model}", unknown(name)));
                     }
-                    None if form.digits.is_some() => {
-                        out.push_str(&format!("{{{name}:{width}.{}}}", form.digits.unwrap_or(0)));
-                    }
-                    None if width > 0 => out.push_str(&format!("{{{name}:{width}}}")),
-                    None => out.push_str(&format!("{{{name}}}")),
+                    None => out.push_str(&format!("{{{inner}}}")),
                 }
             }
         }
@@ -243,7 +198,7 @@ mod tests {
     fn placeholders_are_filled_in() {
         for (pattern, expected) in [
             ("frame_{:04}.png", "frame_0007.png"),
-            ("{frame:2}-{view}.png", "07-top.png"),
+            ("{frame:02}-{view}.png", "07-top.png"),
             ("{}{step}{name}", "73a{b"),
             ("{name}/{{x}}.png", "a{b/{x}.png"),
             ("t{time}_{time:.2f}_{time:07.3}", "t0.3_0.30_000.300"),
@@ -252,12 +207,16 @@ mod tests {
         ] {
             assert_eq!(filled(pattern).as_deref(), Ok(expected));
         }
-        for bad in ["{}{other}", "{:x}.png", "{}{", "{:99}", "{:.2}", "{time:x}", "{time:.}", "f_{foo}.png"] {
+        for bad in ["{}{other}", "{:x}.png", "{}{", "{:099}", "{:.2}", "{time:x}", "{time:.}", "f_{foo}.png"]
+        {
             assert!(filled(bad).is_err(), "{bad}");
         }
         assert_eq!(filled("{frame").as_deref(), Ok("{frame"));
         let error = filled("f_{foo:03}.png").unwrap_err();
-        assert!(["{foo}", "{frame}", "{name}", "{{"].iter().all(|word| error.contains(word)), "{error}");
+        assert!(
+            ["{foo}", "{frame}", "{name}", "{{foo:03}} stands for"].iter().all(|word| error.contains(word)),
+            "{error}"
+        );
     }
 
     /// In a text, unlike in the name of a file, braces are always those of placeholders.

@@ -124,7 +124,11 @@ impl DataColors {
             None if self.levels.is_empty() => Vec::new(),
             None => {
                 let [low, high] = self.range;
-                let within = self.levels.iter().copied().filter(|level| low < *level && *level < high);
+                // A level at an end that is a number of a file: 0.3 is 0.300000012 in `f32`.
+                let single = |value: f64| (value - self.offset) as f32;
+                let is_end = |level: f64| single(level) == single(low) || single(level) == single(high);
+                let is_within = |level: &f64| low < *level && *level < high && !is_end(*level);
+                let within = self.levels.iter().copied().filter(is_within);
                 let mut all: Vec<f64> = [low, high].into_iter().chain(within).collect();
                 all.sort_by(f64::total_cmp);
                 all.dedup();

@@ -28,6 +28,16 @@ pub struct ColorMap {
     points: Vec<(f64, [f64; 3])>,
     is_categorical: bool,
     special: Special,
+    annotations: Vec<Annotation>,
+}
+
+/// What a colour of a categorical map of ParaView is for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Annotation {
+    /// The value of the data; `None` if it is no number.
+    pub value: Option<f64>,
+    /// What it is called; may be empty.
+    pub label: String,
 }
 
 /// Colours of what is not in the range, sRGB with linear alpha, if a map has its own.
@@ -63,7 +73,8 @@ impl ColorMap {
         }
         let place = |at: f64| if points.len() == 1 { 0.0 } else { (at - first.0) / length };
         let points = points.iter().map(|&(at, color)| (place(at), color)).collect();
-        Ok(Self { name: name.to_owned(), points, is_categorical: false, special: Special::default() })
+        let (special, annotations) = (Special::default(), Vec::new());
+        Ok(Self { name: name.to_owned(), points, is_categorical: false, special, annotations })
     }
 
     /// A map with evenly spaced 8-bit sRGB colours. If it is categorical, each of them has an equal share of 0 to 1; otherwise
@@ -90,6 +101,11 @@ impl ColorMap {
     /// Its colours of what is not in the range: those that a file of ParaView has.
     pub fn special(&self) -> Special {
         self.special
+    }
+
+    /// The values that its first colours are for, one by one: those that a categorical map of ParaView names.
+    pub fn annotations(&self) -> &[Annotation] {
+        &self.annotations
     }
 
     /// The number of colours between which it interpolates, or of categories.

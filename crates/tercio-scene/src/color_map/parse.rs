@@ -1,6 +1,6 @@
 //! Colour maps from files.
 
-use super::{ColorMap, Special, rounded};
+use super::{Annotation, ColorMap, Special, rounded};
 
 /// What is wrong with a colour map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -28,7 +28,7 @@ pub enum ColorMapError {
         found: String,
     },
     /// A text in JSON that is not a colour map of ParaView.
-    #[error("expected a colour map in ParaView's JSON, an object with `RGBPoints`: {0}")]
+    #[error("expected a colour map in ParaView's JSON, an object with `RGBPoints` or `IndexedColors`: {0}")]
     Json(String),
     /// Not text.
     #[error("it is not text")]
@@ -50,7 +50,7 @@ impl ColorMap {
     /// Reads a colour map: a list of colours, one a line, `#rrggbb`, or three numbers of 0 to 1, or of 0 to 255 if any of the list
     /// is above 1, with spaces, tabs, commas or semicolons between; four numbers are a position and a colour. Lines that begin with
     /// `#` and are no colour, `//` or a letter in the first line (a header) are skipped. Or ParaView's JSON (`RGBPoints`,
-    /// `NanColor`, and the colours beyond the range that it uses).
+    /// `NanColor`, and the colours beyond the range that it uses; or `IndexedColors` and `Annotations`, which make a categorical map).
     ///
     /// # Errors
     /// If the text is anything else.
@@ -106,25 +106,69 @@ fn color(line: &str) -> Option<Line> {
     }
 }
 
-/// The first map of a file of ParaView: `[{"RGBPoints": [x, r, g, b, ...]}]`.
+/// The first map of a file of ParaView: `[{"RGBPoints": [x, r, g, b, ...]}]`, or `[{"IndexedColors": [r, g, b, ...]}]` of categories.
 fn json(name: &str, text: &str) -> Result<ColorMap, ColorMapError> {
     let value: serde_json::Value =
         serde_json::from_str(text).map_err(|error| ColorMapError::Json(error.to_string()))?;
     let map = value.get(0).unwrap_or(&value);
     let wrong = |what: &str| ColorMapError::Json(what.to_owned());
-    let numbers =
-        map.get("RGBPoints").and_then(|points| points.as_array()).ok_or_else(|| wrong("there are none"))?;
-    let numbers: Option<Vec<f64>> = numbers.iter().map(serde_json::Value::as_f64).collect();
-    let numbers = numbers.ok_or_else(|| wrong("they are not all numbers"))?;
-    let (points, rest) = numbers.as_chunks::<4>();
-    if !rest.is_empty() {
-        return Err(wrong("there are not four numbers for each colour"));
-    }
+    let list = |key: &str| map.get(key).and_then(|all| all.as_array()).filter(|all| !all.is_empty());
+    let numbers = |all: &[serde_json::Value]| -> Result<Vec<f64>, ColorMapError> {
+        let all: Option<Vec<f64>> = all.iter().map(serde_json::Value::as_f64).collect();
+        all.ok_or_else(|| wrong("they are not all numbers"))
+    };
+    // Of a map that has both, it says which counts.
+    let colors =
+        list("IndexedColors").filter(|_| is_used(map, "IndexedLookup") || list("RGBPoints").is_none());
+    let (points, width): (Vec<_>, _) = match (colors, list("RGBPoints")) {
+        (Some(colors), _) => {
+            let colors = numbers(colors)?;
+            let (colors, rest) = colors.as_chunks::<3>();
+            let points = colors.iter().enumerate().map(|(i, &color)| (i as f64, color));
+            (points.collect(), rest.is_empty().then_some(()).ok_or("three"))
+        }
+        (None, Some(points)) => {
+            let points = numbers(points)?;
+            let (points, rest) = points.as_chunks::<4>();
+            let points = points.iter().map(|&[at, r, g, b]| (at, [r, g, b]));
+            (points.collect(), rest.is_empty().then_some(()).ok_or("four"))
+        }
+        (None, None) => return Err(wrong("there are none")),
+    };
+    width.map_err(|count| wrong(&format!("there are not {count} numbers for each colour")))?;
     if points.len() > MOST {
         return Err(ColorMapError::TooMany);
     }
-    let points: Vec<_> = points.iter().map(|&[at, r, g, b]| (at, [r, g, b])).collect();
-    Ok(ColorMap { special: special(map)?, ..ColorMap::from_points(name, &points)? })
+    let mut read = ColorMap { special: special(map)?, ..ColorMap::from_points(name, &points)? };
+    if colors.is_some() {
+        read.is_categorical = true;
+        read.annotations = annotations(map)?;
+        read.annotations.truncate(points.len());
+    }
+    Ok(read)
+}
+
+/// The values and labels of a categorical map, `["0", "bone", "1", "skin"]`; none if it has none.
+fn annotations(map: &serde_json::Value) -> Result<Vec<Annotation>, ColorMapError> {
+    let wrong = || ColorMapError::Json("Annotations are not pairs of values and labels".to_owned());
+    let Some(all) = map.get("Annotations") else { return Ok(Vec::new()) };
+    let all = all.as_array().ok_or_else(wrong)?;
+    let text = |value: &serde_json::Value| match value {
+        serde_json::Value::String(text) => Some(text.clone()),
+        serde_json::Value::Number(number) => Some(number.to_string()),
+        _ => None,
+    };
+    let (pairs, rest) = all.as_chunks::<2>();
+    let pair = |[value, label]: &[serde_json::Value; 2]| {
+        let value = text(value)?.trim().parse().ok().filter(|value: &f64| value.is_finite());
+        Some(Annotation { value, label: text(label)? })
+    };
+    pairs.iter().map(pair).collect::<Option<_>>().filter(|_| rest.is_empty()).ok_or_else(wrong)
+}
+
+/// Whether a switch is on: ParaView writes 0 and 1.
+fn is_used(map: &serde_json::Value, key: &str) -> bool {
+    map.get(key).is_some_and(|value| value.as_bool().unwrap_or(value.as_f64() > Some(0.0)))
 }
 
 /// The colours of what is not in the range. Those beyond it count only if the map says that they are used.
@@ -143,10 +187,9 @@ fn special(map: &serde_json::Value) -> Result<Special, ColorMapError> {
         let opacity = map.get(opacity).and_then(serde_json::Value::as_f64).unwrap_or(1.0);
         Ok(Some([r, g, b, (opacity.clamp(0.0, 1.0) * 255.0 + 0.5) as u8]))
     };
-    // ParaView writes 0 and 1.
-    let is_used = |key: &str| map.get(key).is_some_and(|v| v.as_bool().unwrap_or(v.as_f64() > Some(0.0)));
-    let beyond =
-        |used: &str, key: &str, opacity: &str| if is_used(used) { color(key, opacity) } else { Ok(None) };
+    let beyond = |used: &str, key: &str, opacity: &str| {
+        if is_used(map, used) { color(key, opacity) } else { Ok(None) }
+    };
     Ok(Special {
         nan: color("NanColor", "NanOpacity")?,
         below: beyond("UseBelowRangeColor", "BelowRangeColor", "BelowRangeOpacity")?,

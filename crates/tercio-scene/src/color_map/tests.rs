@@ -110,6 +110,43 @@ fn maps_of_paraview_have_colors_of_what_is_not_in_the_range() {
 }
 
 #[test]
+fn categorical_maps_of_paraview_are_lists_of_colors() {
+    let parse = |text: &str| ColorMap::parse("mine", text.as_bytes());
+    let colors = "\"IndexedColors\":[1,0,0,0,1,0,0,0,1]";
+    let named =
+        ",\"Annotations\":[\"4\",\"bone\",\"a\",\"text\",1.5,\"\",\"7\",\"too many\"],\"NanColor\":[1,1,0]";
+    let map = parse(&format!("[{{{colors}{named}}}]")).expect("a map");
+    assert_eq!((map.len(), map.is_categorical()), (3, true));
+    assert_eq!(
+        [0, 1, 2, 3].map(|n| rounded(map.category(n))),
+        [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 0, 0]]
+    );
+    let annotations: Vec<_> = map.annotations().iter().map(|a| (a.value, &*a.label)).collect();
+    assert_eq!(annotations, [(Some(4.0), "bone"), (None, "text"), (Some(1.5), "")]);
+    assert_eq!(map.special().nan, Some([255, 255, 0, 255]));
+    // A map that has both says which counts.
+    let both = |more: &str| {
+        parse(&format!("{{{colors},\"RGBPoints\":[0,0,0,0,1,1,1,1]{more}}}")).map(|map| map.is_categorical())
+    };
+    assert_eq!(
+        [both(""), both(",\"IndexedLookup\":1"), both(",\"IndexedLookup\":false")],
+        [Ok(false), Ok(true), Ok(false)]
+    );
+    for (text, expected) in [
+        ("{\"IndexedColors\":[1,0]}", "three numbers"),
+        ("{\"IndexedColors\":[1,0,\"a\"]}", "not all numbers"),
+        ("{\"IndexedColors\":[1,0,2]}", "components"),
+        ("{\"IndexedColors\":[]}", "`IndexedColors`: there are none"),
+        ("{\"IndexedColors\":[1,0,0],\"Annotations\":[\"1\"]}", "pairs"),
+        ("{\"IndexedColors\":[1,0,0],\"Annotations\":[1,[]]}", "pairs"),
+        ("{\"IndexedColors\":[1,0,0],\"Annotations\":7}", "pairs"),
+    ] {
+        let error = parse(text).expect_err(text).to_string();
+        assert!(error.contains(expected), "{text}: {error}");
+    }
+}
+
+#[test]
 fn levels_have_the_color_of_their_middle() {
     let map = ColorMap::named("gray").expect("a known map");
     let mut colors = DataColors::new("x", map, [0.0, 1.0]);
@@ -123,6 +160,15 @@ fn levels_have_the_color_of_their_middle() {
     assert_eq!([0.1, 0.3, 0.9].map(|value| colors.color(value)[0]), [1, 2, 1]);
     let banded = DataColors { bands: Some(1), ..colors };
     assert_eq!(banded.boundaries(), [0.0, 1.0]);
+    // 0.3 is the end of values in `f32` up to 0.3, and no band is between.
+    let ends = [0.1f32, 0.3f32].map(f64::from);
+    let at_ends = DataColors { bands: None, levels: vec![0.3, 0.2], range: ends, ..banded };
+    assert_eq!(at_ends.boundaries(), [ends[0], 0.2, ends[1]]);
+    // Less an offset they are apart.
+    let offset = 4e6 + 0.1;
+    let range = [offset, offset + 0.25];
+    let far = DataColors { levels: vec![offset + 0.125], range, offset, ..at_ends };
+    assert_eq!(far.boundaries(), [range[0], offset + 0.125, range[1]]);
 }
 
 #[test]

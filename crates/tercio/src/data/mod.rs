@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use tercio_mesh::AttributeDomain;
 use tercio_mesh::strokes::Strokes;
-use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
+use tercio_scene::color_map::{Annotation, Category, ColorMap, DataColors, Isolines, Scale};
 use tercio_scene::{DataReader, DataSource, Instance, SurfaceData};
 
 pub use edges::{of_edges, of_edges_at};
@@ -407,13 +407,22 @@ impl DataOptions {
         values.dedup();
         let default = || known(if values.len() <= 9 { "Set1" } else { "tab20" });
         let map = self.map.clone().unwrap_or_else(default);
-        let category = |(number, &value): (usize, &f32)| {
+        // A map may say which of its colours are for which values; the others follow in their order.
+        let mut others = map.annotations().len()..;
+        let is_for = |annotation: &Annotation, value: f32| {
+            annotation.value.is_some_and(|of| (of - offset) as f32 + 0.0 == value)
+        };
+        let category = |&value: &f32| {
+            let number = map.annotations().iter().position(|annotation| is_for(annotation, value));
+            let annotated = number.map(|number| map.annotations()[number].label.clone());
+            let number = number.or_else(|| others.next()).unwrap_or(0);
             let label = labels.iter().find(|(of, _)| *of == value).map(|(_, label)| (*label).clone());
+            let label = label.or(annotated.filter(|label| !label.is_empty()));
             let [r, g, b] = map.category(number).map(|c| (c * 255.0 + 0.5) as u8);
             let label = label.unwrap_or_else(|| printed(value, offset));
             Category { value: offset + f64::from(value), label, color: [r, g, b, 255] }
         };
-        let categories: Vec<Category> = values.iter().enumerate().map(category).collect();
+        let categories: Vec<Category> = values.iter().map(category).collect();
         let ends = [categories.first(), categories.last()].map(|category| category.map_or(0.0, |c| c.value));
         let mut colors = DataColors::new(&self.by, map, [ends[0], ends[1].max(ends[0] + 1.0)]);
         (colors.categories, colors.nan, colors.offset) = (categories, self.nan, offset);

@@ -161,6 +161,10 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
         None => (name, None),
     };
     if array.starts_with('@') {
+        let is_elsewhere = domain.is_some_and(|domain| !has_made(array, domain));
+        if is_elsewhere {
+            return Err(DataError::Unknown { name: whole.into(), available: available(layout) });
+        }
         let of_own = own::find(array, component, domain, layout)?;
         return of_own.map_or_else(|| made(whole, array, component, layout, up), Ok);
     }
@@ -209,6 +213,18 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
             }
             Err(DataError::Component { name: array.into(), component: component.into(), available: there })
         }
+    }
+}
+
+/// Whether data that are made of the mesh itself are at its vertices or its triangles. Curvature and components are made only if they
+/// are asked for by their names alone.
+fn has_made(array: &str, domain: AttributeDomain) -> bool {
+    match array {
+        // Where the mesh has them.
+        "@color" => true,
+        "@face" => domain == AttributeDomain::Triangle,
+        "@curvature" | "@component" => false,
+        _ => domain == AttributeDomain::Vertex,
     }
 }
 

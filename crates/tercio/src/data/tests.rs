@@ -167,6 +167,20 @@ fn names_find_attributes_components_and_colors() {
     for polygon in [Attribute::POLYGON, "@polygon@cell"] {
         assert!(error(polygon).contains(&all), "{polygon}");
     }
+    // What is made of the mesh is in one place.
+    assert_eq!((find("@x@point"), find("@face@cell")), (find("@x"), find("@face")));
+    assert_eq!((find("z@point"), find("@normal:z@point")), (find("z"), find("@normal:z")));
+    for elsewhere in
+        ["x@cell", "@x@cell", "@elevation@cell", "@normal@cell", "@face@point", "@component@cell"]
+    {
+        assert!(
+            error(elsewhere).contains(&format!("no attribute \"{elsewhere}\"; there are {all}")),
+            "{elsewhere}"
+        );
+    }
+    for unknown in ["p@foo", "x@foo", "@x@foo", "p@", "@elevation@vertex"] {
+        assert!(error(unknown).contains(&all), "{unknown}");
+    }
     assert!(error("@q").contains(&all) && error("q:1").contains(&all));
     assert_eq!(error("v:3"), "\"v\" has no component \"3\"; it has 0, 1, 2, x, y, z, magnitude, rgb");
     assert_eq!(error("p:1"), "\"p\" has no component \"1\"; it has 0, magnitude");
@@ -315,6 +329,20 @@ fn categories_are_the_values_that_there_are() {
     let labels: Vec<&str> = found.categories.iter().map(|c| &*c.label).collect();
     assert_eq!(labels, ["0", "bone", "3", "skin"]);
     assert_eq!(found.color(1.0), [55, 126, 184, 255], "the second colour of Set1");
+    // A map of ParaView says which colours are for which values; those that it does not name have the others.
+    let text = r#"{"IndexedColors": [1,0,0, 0,1,0, 0,0,1, 1,1,0], "Annotations": ["3","skin","1",""]}"#;
+    options.map = Some(ColorMap::parse("m", text.as_bytes()).expect("a map"));
+    options.categories = Some(vec![(7.0, "none".into())]);
+    let found = colors(&options, &instance).expect("categories");
+    let all: Vec<_> =
+        found.categories.iter().map(|c| (c.value, &*c.label, [c.color[0], c.color[1], c.color[2]])).collect();
+    let expected = [
+        (0.0, "0", [0, 0, 255]),
+        (1.0, "1", [0, 255, 0]),
+        (3.0, "skin", [255, 0, 0]),
+        (7.0, "none", [255, 255, 0]),
+    ];
+    assert_eq!(all, expected);
     let mesh = builtin::make("builtin:sphere@20k").expect("a model");
     let values = (0..mesh.positions.len()).map(|i| i as f32).collect();
     let many = Attribute { name: "many".into(), domain: V, values, offset: 0.0, component: None };

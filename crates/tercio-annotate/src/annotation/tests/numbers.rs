@@ -82,6 +82,55 @@ fn given_numbers_do_not_lie_on_each_other() {
     }
 }
 
+/// Both ends of a range have their numbers, however many of those between them have no room; at even distances where that is possible.
+#[test]
+fn ends_of_bars_keep_their_numbers() {
+    let labelled = |bar: &ScalarBar, most: usize| -> Vec<usize> {
+        let ticks = bar.ticks(most, most).into_iter().enumerate();
+        ticks.filter(|(_, tick)| !tick.label.is_empty()).map(|(number, _)| number).collect()
+    };
+    let counted = |count| ScalarBar { marks: Marks::Count(count), ..bar([0.0, 1.0], Scale::Linear) };
+    assert_eq!(labelled(&counted(11), 11), (0..11).collect::<Vec<_>>());
+    assert_eq!(labelled(&counted(11), 5), [0, 5, 10]);
+    assert_eq!(labelled(&counted(8), 4), [0, 3, 7]);
+    assert_eq!(labelled(&counted(12), 5), [0, 3, 6, 11]);
+    for (count, is_upright) in (2..=64).flat_map(|count| [(count, true), (count, false)]) {
+        for length in [30.0, 60.0, 150.0, 400.0] {
+            let bar = ScalarBar { is_upright, ..counted(count) };
+            for most in 2..12 {
+                let numbers = labelled(&bar, most);
+                let ends = [numbers.first(), numbers.last()];
+                assert!(
+                    ends == [Some(&0), Some(&(count - 1))] && numbers.len() <= most,
+                    "{count} {most}: {numbers:?}"
+                );
+            }
+            let ticks = bar.with_room(bar.ticks(9, 9), length, 11.0);
+            assert!(
+                bar.have_room(&ticks, length, 11.0) && !ticks[count - 1].label.is_empty(),
+                "{count} {length}"
+            );
+        }
+    }
+    // A level close to the end gives way to it.
+    let mut levels = bar([0.0, 1.0], Scale::Linear);
+    levels.colors.levels = vec![0.5, 0.99];
+    let labels =
+        |bar: &ScalarBar| bar.with_room(bar.ticks(9, 9), 100.0, 11.0).into_iter().map(|tick| tick.label);
+    assert_eq!(labels(&levels).collect::<Vec<_>>(), ["0", "0.50", "", "1.00"]);
+}
+
+/// Numbers that a file has in `f32` are printed with the digits that mean them, also beside a level at the same place.
+#[test]
+fn levels_at_ends_are_printed_as_they_are_given() {
+    let mut bar = bar([f64::from(0.1f32), f64::from(0.3f32)], Scale::Linear);
+    let labels = |bar: &ScalarBar| bar.ticks(9, 9).into_iter().map(|tick| tick.label).collect::<Vec<_>>();
+    bar.colors.levels = vec![0.15, 0.2, 0.3, 0.1];
+    assert_eq!(labels(&bar), ["0.10", "0.15", "0.20", "0.30"]);
+    bar.colors.levels = vec![f64::from(0.2f32)];
+    assert_eq!(labels(&bar), ["0.1", "0.2", "0.3"]);
+}
+
 /// Marks between the numbers of a short logarithmic bar would merge: there are none, or only powers of ten.
 #[test]
 fn marks_of_short_bars_do_not_merge() {

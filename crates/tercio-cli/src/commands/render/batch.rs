@@ -146,6 +146,7 @@ fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
     // The configuration may say something else of each model.
     let mut shared: HashMap<String, Option<Survey>> = HashMap::new();
     let key = |item: &Item| format!("{:?}", item.render.data);
+    let mut unread = Unread::default();
     for item in &*items {
         let Some(over) = item.render.data.range_over_batch() else { continue };
         let known = shared.entry(key(item)).or_default();
@@ -155,11 +156,12 @@ fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
         let model = std::slice::from_ref(&item.render.model);
         match item.render.survey_data_of(1, &item.job, model, display) {
             Ok(own) => {
+                unread.warn(over, &item.render);
                 let all = known.take().unwrap_or_default();
                 *known = Some(own.colors.into_iter().fold(all, Survey::and));
             }
             Err(error) if error.is::<UsageError>() => return Err(error),
-            Err(_) => {}
+            Err(_) => unread.add(&item.render),
         }
     }
     for item in items {
@@ -168,6 +170,28 @@ fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Models before the first one whose range can be known: they cannot be read.
+#[derive(Default)]
+pub(super) struct Unread(Vec<String>);
+
+impl Unread {
+    /// Adds a model.
+    pub fn add(&mut self, render: &Render) {
+        self.0.push(render.model.name());
+    }
+
+    /// Warns that the range of the first model is that of a later one.
+    pub fn warn(&mut self, over: RangeOver, render: &Render) {
+        let before = std::mem::take(&mut self.0);
+        if over == RangeOver::First && !before.is_empty() && !render.running.quiet {
+            let (before, model) = (before.join(", "), render.model.name());
+            messages::warning(&format!(
+                "--range-over first: the range is that of {model}, as {before} cannot be read"
+            ));
+        }
+    }
 }
 
 /// Works on all items, on so many threads, each of which is a pool of its own: parallel work inside of an item runs on its thread,

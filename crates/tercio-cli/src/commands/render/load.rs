@@ -204,7 +204,7 @@ impl Render {
         if let Some(outline) = &self.outline {
             subject.add_outline(outline);
         }
-        let names = if self.annotation.has_braces() { writing.names.clone() } else { Vec::new() };
+        let names = if annotation::has_braces(&annotation) { writing.names.clone() } else { Vec::new() };
         let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: DVec3::Y };
         let cameras = self.cameras(
             &job.motion,

@@ -113,20 +113,14 @@ impl Render {
 
     /// The time that a file of VTK has, if the name of an output or a text shows it.
     fn own_time(&self, model: &Path) -> Option<f64> {
-        let is_shown = self.writing.has_placeholder("time") || self.annotation.has_placeholder("time");
+        let is_shown = self.writing.has_placeholder("time")
+            || self.members().any(|member| member.annotation.has_placeholder("time"));
         if is_shown { self.time_of_file(model) } else { None }
     }
 
-    /// The time that a file has if it is one of VTK; NaN if it cannot be read, which is an error when it is drawn.
+    /// As [`time_of_file`], with the memory that there is.
     pub(super) fn time_of_file(&self, model: &Path) -> Option<f64> {
-        let name = model.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let ending = name.strip_suffix(".gz").unwrap_or(&name).rsplit('.').next().unwrap_or_default();
-        if !matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vts" | "vtr") {
-            return None;
-        }
-        let options = ReadOptions { memory_limit: self.running.memory_limit(), ..ReadOptions::default() };
-        let time = input::open(model, &options).and_then(|input| vtk::time(&input, &options));
-        time.unwrap_or(Some(f64::NAN))
+        time_of_file(model, self.running.memory_limit())
     }
 
     /// These options for another model.
@@ -136,6 +130,18 @@ impl Render {
         other.more = Vec::new();
         other
     }
+}
+
+/// The time that a file has if it is one of VTK; NaN if it cannot be read, which is an error when it is drawn.
+pub fn time_of_file(model: &Path, memory_limit: Option<u64>) -> Option<f64> {
+    let name = model.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let ending = name.strip_suffix(".gz").unwrap_or(&name).rsplit('.').next().unwrap_or_default();
+    if !matches!(ending, "vtk" | "vtp" | "vtu" | "vti" | "vts" | "vtr") {
+        return None;
+    }
+    let options = ReadOptions { memory_limit, ..ReadOptions::default() };
+    let time = input::open(model, &options).and_then(|input| vtk::time(&input, &options));
+    time.unwrap_or(Some(f64::NAN))
 }
 
 /// The files that match a pattern with `*` or `?` in its last part, in natural order; `None` for the name of a file. Most shells

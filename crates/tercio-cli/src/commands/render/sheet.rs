@@ -15,11 +15,13 @@ use tercio::scene::Scene;
 
 use super::Render;
 use super::alone::Artist;
-use super::batch::{Item, side_by_side};
+use super::batch::{Item, Unread, side_by_side};
+use super::steps::OfSeries;
 use crate::args::annotation::{shown, text};
 use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
 use crate::args::series::Motion;
+use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode};
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, name, write_picture};
@@ -77,10 +79,14 @@ impl Sheet {
         let mut render = self.render.clone();
         let title = render.annotation.take_title().map(|text| title_of_sheet(&text)).transpose();
         let title = title.map_err(UsageError)?;
-        let (destination, format) = self.output(&render).map_err(UsageError)?;
+        render.writing.check_names().map_err(UsageError)?;
+        self.output(&render).map_err(UsageError)?;
         let models = render.listed()?;
+        models.iter().try_for_each(|model| ModelArgs::of(model).check_is_no_scene())?;
         let groups = self.groups(&render, &models)?;
         let count = groups.last().map_or(0, |group| group.first + group.captions.len());
+        render.writing = named(&render.writing, &models, &groups).map_err(UsageError)?;
+        let (destination, format) = self.output(&render).map_err(UsageError)?;
         let paper = self.paper(&render, title.as_deref(), count, format).map_err(UsageError)?;
         let files = NamedFiles::default().writes("--output", &destination);
         let files = models.iter().fold(files, |files, model| files.reads_model(model));
@@ -165,7 +171,7 @@ impl Sheet {
                 _ => render.steps_of(model)?,
             };
             let of_step = |step: &ModelArgs| {
-                let time = if shows_time { render.time_of_file(model) } else { None };
+                let time = if shows_time { render.time_of_file(model) } else { step.time };
                 let mut of_step = render.with_model(&ModelArgs { time, ..step.clone() });
                 of_step.writing = of_step.writing.of_cell(motion.is_series());
                 Item::new(of_step)
@@ -253,6 +259,25 @@ impl Sheet {
     }
 }
 
+/// The outputs of a sheet, whose name is that of one picture: what its placeholders stand for is known if there is one model, or one
+/// picture on it.
+///
+/// # Errors
+/// One sentence, for a placeholder that is not known.
+fn named(writing: &WritingArgs, models: &[PathBuf], groups: &[Group]) -> Result<WritingArgs, String> {
+    if let [Group { steps, captions, .. }] = groups
+        && captions.len() == 1
+    {
+        let names = Names { frame: None, step: None, ..steps[0].job.writing.names[0].clone() };
+        return writing.named(&names, true);
+    }
+    let name = models.first().filter(|_| models.len() == 1).map(|model| pattern::name_of(model));
+    // Names have been checked: what goes wrong is that something is not known.
+    writing.named(&Names { name, ..Names::default() }, true).map_err(|_| {
+        "--output: a sheet is one picture, in whose name {name} stands for that of a single model: what its pictures differ in is said by --caption".into()
+    })
+}
+
 /// The title of a sheet, which is that of all pictures together.
 fn title_of_sheet(text: &str) -> Result<String, String> {
     let title = pattern::expand_text(text, &Names::default(), true);
@@ -280,20 +305,25 @@ fn prepared(mut groups: Vec<Group>, files: &Arc<NamedFiles>, display: &Display) 
     let over = groups.first().and_then(|group| group.steps[0].render.data.range_over());
     // A single one has its own range.
     let over = over.filter(|over| *over != RangeOver::Each && count > 1);
-    let (mut colors, mut all) = (None::<Survey>, Vec::new());
-    for (number, Group { steps, .. }) in groups.iter().enumerate() {
+    let (mut colors, mut all, mut unread) = (None::<Survey>, Vec::new(), Unread::default());
+    for Group { steps, .. } in &groups {
         let models: Vec<ModelArgs> = steps.iter().map(|step| step.render.model.clone()).collect();
         let with_data = match over {
             Some(RangeOver::All) => models.len(),
-            Some(RangeOver::First) if number == 0 => 1,
+            Some(RangeOver::First) if colors.is_none() => 1,
             _ => 0,
         };
         let of_series = steps[0].render.survey_data_of(with_data, &steps[0].job, &models, display);
         let mut of_series = match of_series {
             Err(error) if error.is::<UsageError>() => return Err(error),
-            of_series => of_series.unwrap_or_default(),
+            Err(_) => {
+                unread.add(&steps[0].render);
+                OfSeries::default()
+            }
+            Ok(of_series) => of_series,
         };
         if let Some(own) = of_series.colors.take() {
+            over.into_iter().for_each(|over| unread.warn(over, &steps[0].render));
             colors = Some(colors.unwrap_or_default().and(own));
         }
         all.push(of_series);

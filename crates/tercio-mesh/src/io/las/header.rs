@@ -146,6 +146,17 @@ impl Header {
                 return Err(malformed(131 + 8 * k, expected, value.to_string()));
             }
         }
+        for (k, (offset, scale)) in offset.iter().zip(&scale).enumerate() {
+            // All points would be one, and may be too far away to be shown.
+            let largest = scale * f64::from(i32::MAX);
+            let farthest = offset + largest;
+            if farthest == *offset || !farthest.is_finite() || !(offset - largest).is_finite() {
+                let axis = ["x", "y", "z"][k];
+                let expected =
+                    format!("an offset of {axis} beside which coordinates with a scale of {scale} differ");
+                return Err(malformed(155 + 8 * k, &expected, format!("{offset:e}")));
+            }
+        }
         let begin = u32_at(bytes, 96).ok_or_else(short)? as usize;
         if begin < size || begin > bytes.len() {
             let expected = format!("points that begin at byte {size} to {}", bytes.len());

@@ -210,6 +210,32 @@ fn wrong_descriptions_are_warned_of() {
     }
 }
 
+/// An offset beside which all points are one is an error, which names it.
+#[test]
+fn offsets_that_are_too_large_are_refused() {
+    let bytes = file(0, false, Vec::new(), &[vec![7], vec![9]]);
+    for (offset, scale, is_good) in [
+        (4.2e6, 0.001, true),
+        (-1e12, 1e-3, true),
+        (1e308, 0.001, false),
+        (-1e30, 0.001, false),
+        (0.0, 1e300, false),
+        (1e308, 1e299, false),
+    ] {
+        let mut changed = bytes.clone();
+        changed[139..147].copy_from_slice(&f64::to_le_bytes(scale));
+        changed[163..171].copy_from_slice(&f64::to_le_bytes(offset));
+        match read(changed) {
+            Ok(_) => assert!(is_good, "{offset} {scale}"),
+            Err(error) => {
+                let error = error.to_string();
+                let expected = format!("found {offset:e}");
+                assert!(!is_good && error.contains("an offset of y") && error.contains(&expected), "{error}");
+            }
+        }
+    }
+}
+
 /// Names of descriptions that are those of other data are numbered.
 #[test]
 fn names_are_used_once() {

@@ -272,3 +272,37 @@ fn components_have_the_names_of_the_file() {
     );
     assert_eq!(names(scalars.as_bytes()), expected);
 }
+
+/// The time of a legacy file is found wherever its field is before the data of points and cells.
+#[test]
+fn times_are_before_the_data() {
+    let time = |bytes: &[u8]| {
+        let options = ReadOptions::default();
+        super::time(&Input::from_bytes("a", bytes.to_vec(), &options).expect("bytes"), &options)
+    };
+    for (kind, points, cells, number) in [
+        ("ASCII", &b"0 0 0 1 0 0 0 1 0\n"[..], &b"3 0 1 2\n"[..], &b"2.5\n"[..]),
+        ("BINARY", &[0; 36], &[0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2], &[0x40, 0x20, 0, 0]),
+    ] {
+        let head = format!("# vtk DataFile Version 3.0\nx\n{kind}\n");
+        let field = [&b"FIELD FieldData 1\nTIME 1 1 float\n"[..], number].concat();
+        let parts = [
+            &b"DATASET POLYDATA\n"[..],
+            b"POINTS 3 float\n",
+            points,
+            b"POLYGONS 1 4\n",
+            cells,
+            b"CELL_DATA 1\n",
+        ];
+        for place in [1, 3, 5] {
+            let (before, behind) = parts.split_at(place);
+            let file = [head.as_bytes(), &before.concat(), &field, &behind.concat()].concat();
+            assert_eq!(time(&file).expect(kind), Some(2.5), "{kind} {place}");
+        }
+        let without = [head.as_bytes(), &parts.concat()].concat();
+        assert_eq!(time(&without).expect(kind), None, "{kind}");
+        // An array of cells is none of the file.
+        let behind = [&without[..], &field].concat();
+        assert_eq!(time(&behind).expect(kind), None, "{kind}");
+    }
+}

@@ -78,7 +78,7 @@ fn text<'a>(job: &Job<'a>) -> Result<Cow<'a, [u8]>, ReadError> {
     Ok(text)
 }
 
-/// The time that the field data of a file have, which are before its points.
+/// The time that the field data of a file have, which are before its data of points and cells: as a rule before its points, too.
 ///
 /// # Errors
 /// Any [`ReadError`].
@@ -87,12 +87,24 @@ pub fn time(job: &Job) -> Result<Option<f64>, ReadError> {
     let (mut parser, _) = begin(job, &text)?;
     let (mut geometry, mut data) = (Geometry::default(), Data::default());
     while let Some(word) = parser.keyword() {
-        let is_before = match word.as_str() {
-            "DATASET" => geometry.read(&mut parser, &word)?,
-            "FIELD" | "METADATA" => data.read(&mut parser, &word)?,
-            _ => false,
-        };
-        if !is_before {
+        match word.as_str() {
+            "POINT_DATA" | "CELL_DATA" => break,
+            "FIELD" | "METADATA" => drop(data.read(&mut parser, &word)?),
+            "DATASET" => drop(geometry.read(&mut parser, &word)?),
+            // Numbers of text are not read for that.
+            _ if !parser.binary => {
+                if !parser.skip_to_field() {
+                    break;
+                }
+            }
+            // Those of binary files are passed over.
+            _ => {
+                if !geometry.read(&mut parser, &word)? {
+                    break;
+                }
+            }
+        }
+        if data.time.is_some() {
             break;
         }
     }
@@ -151,6 +163,22 @@ impl<'a> Parser<'_, 'a> {
         self.cursor.skip_space();
         let word = self.cursor.word();
         (!word.is_empty()).then(|| String::from_utf8_lossy(word).to_ascii_uppercase())
+    }
+
+    /// Goes to the next line of text that begins a field; false if there is none before the data of points and cells.
+    fn skip_to_field(&mut self) -> bool {
+        while !self.cursor.rest().is_empty() {
+            self.cursor.skip_line();
+            let mut ahead = self.cursor.clone();
+            let word = ahead.word();
+            if word.eq_ignore_ascii_case(b"FIELD") {
+                return true;
+            }
+            if word.eq_ignore_ascii_case(b"POINT_DATA") || word.eq_ignore_ascii_case(b"CELL_DATA") {
+                return false;
+            }
+        }
+        false
     }
 
     /// A cursor before a word that was just read.
