@@ -14,7 +14,7 @@ pub const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// Visibility as one number: the sample with the larger key is visible. The key compares by depth first (depths are
 /// above 0, so their bits are ordered as the numbers are), then by primitive number, of which the lower gives the
-/// larger key. Primitive numbers are below [`NO_PRIMITIVE`] and count through the instances. Keys are above 0.
+/// larger key. Primitive numbers are below [`NO_PRIMITIVE`] here, and count through the instances. Keys are above 0.
 #[inline(always)]
 pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
     u64::from(depth.to_bits()) << 32 | u64::from(NO_PRIMITIVE - primitive)
