@@ -1,7 +1,7 @@
 //! Do all ranks draw the same frame? Ranks that load different models, or run with different options, would otherwise compose
 //! a wrong picture, or wait for each other for ever.
 
-use std::fmt;
+use std::fmt::{self, Debug};
 
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
 use tercio_mesh::checksum;
@@ -181,8 +181,8 @@ fn texts(task: &Task, ranks: usize, how: String) -> impl Fn(Matter) -> String {
 }
 
 /// Of a model in parts, what all parts have in common.
-fn model(instance: &Instance) -> (u64, Option<(u64, u64)>) {
-    (instance.mesh.checksum(), instance.share.map(|share| (share.triangles, share.faces)))
+fn model(instance: &Instance) -> (u64, Option<impl Debug>) {
+    (instance.mesh.checksum(), instance.share.map(|share| (share.triangles, share.faces, share.base)))
 }
 
 fn look(scene: &Scene) -> String {

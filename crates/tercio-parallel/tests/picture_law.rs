@@ -449,7 +449,7 @@ proptest! {
         (count, threads, organisation, group) in (1usize..10, 1usize..4, 0usize..4, 1usize..6),
         (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
-        (planes, samples, tent, by_sample) in (0u32..128, 0usize..8, any::<bool>(), any::<bool>()),
+        (planes, samples, tent, by_sample) in (0u32..256, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
         (division, composition, radix) in (0..Division::ALL.len(), 0..Composition::ALL.len(), 2u32..6),
         dense in any::<bool>(),
@@ -472,6 +472,7 @@ proptest! {
                 normals: wants(4),
                 keys: wants(5),
                 linear: wants(6),
+                ties: wants(7),
             },
             sampling: Sampling {
                 filter: if tent { Filter::Tent } else { Filter::Box },

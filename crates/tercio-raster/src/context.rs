@@ -9,6 +9,7 @@ use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 use crate::conventions::SUBPIXELS;
 use crate::data::{DataTable, check_data};
 use crate::error::RenderError;
+use crate::frame::{FragmentLayout, NO_PRIMITIVE, Outputs};
 use crate::lighting::LightRig;
 use crate::sampling::{FilterWeights, SampleCells, SampleCenters, SampleShading};
 use crate::screen::{PixelRect, TileGrid};
@@ -19,6 +20,12 @@ use crate::view::{ObjectView, View};
 
 /// The slot of a sample where nothing was drawn.
 pub const NO_SLOT: u32 = u32::MAX;
+
+/// The largest number of clusters of all instances of a scene: slots number their triangles in 32 bits.
+pub const MAX_CLUSTERS: u64 = NO_SLOT as u64 / MAX_TRIANGLES as u64 - 1;
+
+/// The largest number of triangles and of input faces of all ranks together.
+pub const MAX_NUMBERS: u64 = i64::MAX as u64;
 
 /// The immutable state of a frame.
 pub struct FrameContext<'a> {
@@ -61,6 +68,7 @@ pub struct FrameContext<'a> {
     first_primitive: Vec<u64>,
     /// Number of each instance's first input face.
     first_face: Vec<u64>,
+    is_wide: bool,
 }
 
 impl<'a> FrameContext<'a> {
@@ -68,8 +76,8 @@ impl<'a> FrameContext<'a> {
     /// this many workers (at least one) busy.
     ///
     /// # Errors
-    /// An invalid camera or setting, a scene with more clusters or triangles than 32-bit numbers can count, and the
-    /// errors of [`check_range`].
+    /// An invalid camera or setting, a scene with more clusters or triangles than can be numbered, ids of faces that do not fit
+    /// into them, and the errors of [`check_range`].
     pub fn new(
         scene: &'a Scene,
         camera: &Camera,
@@ -91,20 +99,19 @@ impl<'a> FrameContext<'a> {
         grid.halo = if settings.unresolved { 0 } else { settings.sampling.halo() };
         let mut first_cluster = vec![0];
         let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
-        let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
+        // The numbers that come next, and how many there are.
+        let (mut clusters, mut next, [mut triangles, mut faces]) = (0u64, [0u64; 2], [0u64; 2]);
         for instance in &scene.instances {
             let own = share_of(instance)?;
-            first_primitive.push(triangles.saturating_add(own.first_triangle));
-            first_face.push(faces.saturating_add(own.first_face));
+            let base = own.base.unwrap_or(next);
+            first_primitive.push(base[0].saturating_add(own.first_triangle));
+            first_face.push(base[1].saturating_add(own.first_face));
             clusters += instance.mesh.clusters().len() as u64;
-            triangles = triangles.saturating_add(own.triangles);
-            faces = faces.saturating_add(own.faces);
+            next = [base[0].saturating_add(own.triangles), base[1].saturating_add(own.faces)];
+            (triangles, faces) = (triangles.max(next[0]), faces.max(next[1]));
             first_cluster.push(clusters.min(u64::from(u32::MAX)) as u32);
         }
-        let numbered = u64::from(NO_SLOT) / MAX_TRIANGLES as u64;
-        if clusters >= numbered || triangles >= u64::from(u32::MAX) || faces >= u64::from(u32::MAX) {
-            return Err(RenderError::TooLarge { triangles, clusters });
-        }
+        check_numbers(clusters, triangles, faces, settings)?;
         check_range(scene, settings, &view)?;
         check_light(scene)?;
         check_data(scene)?;
@@ -138,6 +145,7 @@ impl<'a> FrameContext<'a> {
             first_cluster,
             first_primitive,
             first_face,
+            is_wide: triangles >= u64::from(NO_PRIMITIVE),
         })
     }
 
@@ -231,6 +239,25 @@ impl<'a> FrameContext<'a> {
         (instance, cluster, slot as usize % MAX_TRIANGLES)
     }
 
+    /// Do numbers of primitives need more than 32 bits?
+    #[inline(always)]
+    pub fn is_wide(&self) -> bool {
+        self.is_wide
+    }
+
+    /// The numbers in the picture of the first triangle and the first input face of the whole model that an instance is, or is a
+    /// part of.
+    pub fn base(&self, instance: usize) -> [u64; 2] {
+        let [triangle, face] =
+            self.scene.instances[instance].share.map_or([0; 2], |s| [s.first_triangle, s.first_face]);
+        [self.first_primitive[instance] - triangle, self.first_face[instance] - face]
+    }
+
+    /// What the fragments of a frame with these planes have.
+    pub fn fragment_layout(&self, outputs: &Outputs) -> FragmentLayout {
+        FragmentLayout::new(outputs, self.is_wide)
+    }
+
     /// The number of the first primitive of a cluster's instance, and the cluster, which has the numbers of its triangles
     /// in the instance.
     pub fn primitives_of(&self, cluster: u32) -> (u64, ClusterView<'a>) {
@@ -245,7 +272,8 @@ impl<'a> FrameContext<'a> {
         self.first_primitive[instance] + u64::from(cluster.primitive(triangle))
     }
 
-    /// The number of the input face of the triangle in a slot, as stored in the ids of a frame.
+    /// The number of the input face of the triangle in a slot, as stored in the ids of a frame; of no meaning in a scene whose faces
+    /// need more than 32 bits, which has no ids.
     pub fn face(&self, slot: u32) -> u32 {
         let (instance, cluster) = self.locate(slot / MAX_TRIANGLES as u32);
         let face = self.scene.instances[instance].mesh.face(cluster, slot as usize % MAX_TRIANGLES);
@@ -307,6 +335,22 @@ pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<()
     Ok(())
 }
 
+/// Fails if clusters, triangles or faces cannot be numbered, or faces not in the ids that are requested.
+fn check_numbers(clusters: u64, triangles: u64, faces: u64, settings: &Settings) -> Result<(), RenderError> {
+    if clusters > MAX_CLUSTERS {
+        return Err(RenderError::TooLarge { clusters });
+    }
+    for (what, count) in [("triangles", triangles), ("faces", faces)] {
+        if count > MAX_NUMBERS {
+            return Err(RenderError::TooMany { what, count });
+        }
+    }
+    if settings.outputs.ids && faces > u64::from(NO_PRIMITIVE) {
+        return Err(RenderError::Ids { faces });
+    }
+    Ok(())
+}
+
 /// The share of its model that an instance has; a mesh that is not a part of one is its own model.
 ///
 /// # Errors
@@ -315,7 +359,14 @@ fn share_of(instance: &Instance) -> Result<Share, RenderError> {
     let (mesh, own) = (&instance.mesh, instance.mesh.triangle_count() as u64);
     let Some(share) = instance.share else {
         let (triangles, faces) = (own, faces_of(mesh));
-        return Ok(Share { first_triangle: 0, triangles, first_face: 0, faces, has_whole_numbers: true });
+        return Ok(Share {
+            first_triangle: 0,
+            triangles,
+            first_face: 0,
+            faces,
+            base: None,
+            has_whole_numbers: true,
+        });
     };
     if share.first_triangle.saturating_add(own) > share.triangles || share.first_face > share.faces {
         return Err(RenderError::Setting {

@@ -66,7 +66,8 @@
 //! * **Part**: one of several equal shares of the clusters, or of the entries of a tile.
 //! * **Rank**: one of the processes that draw a picture together.
 //! * **Key**: depth and primitive number in one number of 64 bits, so that the larger key is visible
-//!   ([`visibility_key`](crate::frame::visibility_key)).
+//!   ([`visibility_key`](crate::frame::visibility_key)). **Tie**: if primitive numbers need more, which is *wide*, the key has the upper
+//!   32 bits of the number, and the tie decides by the others ([`key_and_tie`](crate::frame::key_and_tie)).
 
 /// Sub-pixels along the edge of a pixel.
 pub const SUBPIXELS: i32 = 256;

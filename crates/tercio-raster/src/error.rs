@@ -19,15 +19,32 @@ pub enum RenderError {
         /// Its value.
         value: String,
     },
-    /// More triangles or clusters than can be numbered.
+    /// More clusters than can be numbered.
     #[error(
-        "the scene has {triangles} triangles in {clusters} clusters, more than can be numbered with 32 bits"
+        "the scene has {clusters} clusters here, at most {} can be numbered: let more ranks have parts of it (--parts)",
+        crate::context::MAX_CLUSTERS
     )]
     TooLarge {
-        /// Triangles of all instances.
-        triangles: u64,
         /// Clusters of all instances.
         clusters: u64,
+    },
+    /// More triangles or input faces than can be numbered.
+    #[error("the scene has {count} {what}, at most {} can be numbered", crate::context::MAX_NUMBERS)]
+    TooMany {
+        /// Triangles or faces.
+        what: &'static str,
+        /// Their number, of all instances.
+        count: u64,
+    },
+    /// The plane of ids was requested, and a number of a face does not fit into it.
+    #[error(
+        "the scene has {faces} faces, and ids are numbers of faces in 32 bits, at most {}: do not request the ids \
+         (--output-ids)",
+        crate::frame::NO_PRIMITIVE
+    )]
+    Ids {
+        /// Faces of all instances.
+        faces: u64,
     },
     /// A mesh whose coordinates are too large or too small to calculate with in `f32`.
     #[error(

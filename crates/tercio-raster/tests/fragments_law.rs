@@ -5,7 +5,7 @@ mod common;
 use common::{assert_same, draw, everything, perspective, scene, soup, with_second_instance};
 use proptest::prelude::*;
 use tercio_raster::context::FrameContext;
-use tercio_raster::frame::fragments::{FragmentHead, write_fragment};
+use tercio_raster::frame::fragments::{FragmentHead, FragmentLayout, write_fragment};
 use tercio_raster::frame::{FragmentError, FragmentsOfTile, TileFragments};
 use tercio_raster::{
     Filter, Frame, Outputs, Part, Renderer, SamplePattern, SampleShading, Sampling, Settings, SimdLevel,
@@ -166,7 +166,8 @@ fn fragment(of: (u16, u16, u8, u32), sampling: &Sampling) -> Vec<u8> {
     let depth = if kind < 128 { 0.5 + depth as f32 * 1e-10 } else { f32::from_bits(depth) };
     let depths = (0..mask.count_ones()).map(|k| depth + k as f32 * 1e-3);
     let mut bytes = Vec::new();
-    write_fragment(&Outputs::ALL, &head, [0.0, 0.0, 1.0], || 7, depths, &mut bytes);
+    let layout = FragmentLayout::new(&Outputs::ALL, false);
+    write_fragment(layout, &head, head.primitive.into(), [0.0, 0.0, 1.0], || 7, depths, &mut bytes);
     bytes
 }
 

@@ -102,6 +102,7 @@ fn part(frame: &Frame, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> Frame
     let all = &frame.planes;
     let planes = Planes {
         keys: rows(&all.keys, stride, at, size),
+        ties: rows(&all.ties, stride, at, size),
         color: rows(&all.color, stride, at, size),
         color16: rows(&all.color16, stride, at, size),
         depth: rows(&all.depth, stride, at, size),

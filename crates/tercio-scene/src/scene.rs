@@ -46,7 +46,7 @@ pub struct Instance {
 
 /// A rank's share of a model that several ranks hold. The shares are ranges of the model's triangles in the order of the ranks;
 /// they may be empty.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     /// Number in the whole model of the mesh's primitive 0: the triangles that the ranks before this one have.
     pub first_triangle: u64,
@@ -56,6 +56,9 @@ pub struct Share {
     pub first_face: u64,
     /// Input faces of the whole model.
     pub faces: u64,
+    /// Numbers in the picture of the whole model's first triangle and first input face; `None`: they follow those of the instances
+    /// before.
+    pub base: Option<[u64; 2]>,
     /// Primitives and faces have the numbers of the whole model in the mesh already, as in a part of a prepared model: they need
     /// not be a range then, and `first_triangle` and `first_face` are 0.
     pub has_whole_numbers: bool,

@@ -375,7 +375,7 @@ fn of_prepared(
     let (prepared, whole) = parts.take(rank, size, &hashes).map_err(LoadError::from)?;
     agree(comm, whole.checksum, "another prepared model")?;
     let loaded = prepared::loaded(input, prepared, start)?;
-    let share = Share { first_triangle: 0, triangles, first_face: 0, faces, has_whole_numbers: true };
+    let share = Share { triangles, faces, has_whole_numbers: true, ..Share::default() };
     Ok(LoadedPart { loaded, share })
 }
 

@@ -128,6 +128,7 @@ fn joined(left: &Frame, right: &Frame, in_turn: usize) -> Result<Frame, ImageErr
     let (l, r, in_turn) = (&left.planes, &right.planes, in_turn.max(1));
     let planes = Planes {
         keys: plane(&l.keys, &r.keys, in_turn),
+        ties: plane(&l.ties, &r.ties, in_turn),
         color: plane(&l.color, &r.color, in_turn),
         color16: plane(&l.color16, &r.color16, in_turn),
         depth: plane(&l.depth, &r.depth, in_turn),

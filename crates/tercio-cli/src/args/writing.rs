@@ -120,6 +120,7 @@ impl WritingArgs {
                 ids: self.output_ids.is_some(),
                 normals: self.output_normals.is_some(),
                 keys: false,
+                ties: false,
                 linear: false,
             },
             picture,

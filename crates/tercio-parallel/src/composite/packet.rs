@@ -2,8 +2,10 @@
 //!
 //! A packet is a sequence of spans, whose number follows from its length. A span is a run of pixels in a row of one tile: a
 //! maximal one of those that show something, or, if all pixels are sent, the whole row. It has the row-major index of the first
-//! pixel in the picture (4 bytes); the number of pixels (2 bytes); then plane after plane their samples: keys, 8-bit colour,
+//! pixel in the picture (4 bytes); the number of pixels (2 bytes); then plane after plane their samples: keys, ties, 8-bit colour,
 //! 16-bit colour, depth, linear colour, ids, normals, each if it is sent. Numbers have the byte order of the machine.
+
+use std::slice::ChunksExact;
 
 use bytemuck::pod_read_unaligned;
 use tercio_raster::frame::Pixel;
@@ -15,6 +17,9 @@ pub const SPAN_HEAD: usize = 6;
 
 /// Bytes of a key, which are the first samples of a span that has keys.
 const KEY: usize = size_of::<u64>();
+
+/// Bytes of a tie, which follow the keys of a span that has ties.
+const TIE: usize = size_of::<u32>();
 
 /// Why bytes are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -129,6 +134,19 @@ struct Span<'a> {
     samples: &'a [u8],
 }
 
+impl<'a> Span<'a> {
+    /// The keys of some of its pixels, from this one on, as bytes.
+    fn keys(&self, from: usize, count: usize) -> ChunksExact<'a, u8> {
+        self.samples[from * KEY..(from + count) * KEY].chunks_exact(KEY)
+    }
+
+    /// The ties of some of its pixels, of a packet that has ties.
+    fn ties(&self, from: usize, count: usize) -> ChunksExact<'a, u8> {
+        let ties = &self.samples[self.count * KEY..];
+        ties[from * TIE..(from + count) * TIE].chunks_exact(TIE)
+    }
+}
+
 /// The spans of a packet of a picture with so many pixels, up to the first that is not valid.
 fn spans<'a>(
     bytes: &'a [u8],
@@ -176,16 +194,28 @@ pub fn count_pixels(bytes: &[u8], planes: &Outputs) -> Result<u64, PacketError> 
     spans(bytes, planes, usize::MAX).map(|span| span.map(|span| span.count as u64)).sum()
 }
 
-/// Appends a packet that has keys without them, and returns its number of pixels.
+/// Appends a packet that has keys without these, and without its ties, each unless `wanted` has it. Returns its number of pixels.
 ///
 /// # Errors
 /// [`PacketError`]; the spans before the error are appended.
-pub fn without_keys(bytes: &[u8], planes: &Outputs, out: &mut Vec<u8>) -> Result<u64, PacketError> {
+pub fn without_keys(
+    bytes: &[u8],
+    planes: &Outputs,
+    wanted: &Outputs,
+    out: &mut Vec<u8>,
+) -> Result<u64, PacketError> {
+    let ties = if planes.ties { TIE } else { 0 };
     let mut pixels = 0;
     for span in spans(bytes, planes, usize::MAX) {
         let Span { first, count, samples } = span?;
         put_head(first, count, out);
-        out.extend_from_slice(&samples[count * KEY..]);
+        let (keys, rest) = samples.split_at(count * KEY);
+        let (ties, rest) = rest.split_at(count * ties);
+        for part in
+            [wanted.keys.then_some(keys), wanted.ties.then_some(ties), Some(rest)].into_iter().flatten()
+        {
+            out.extend_from_slice(part);
+        }
         pixels += count as u64;
     }
     Ok(pixels)
@@ -252,7 +282,7 @@ enum Source {
 }
 
 /// Merges two packets of a tile, which have keys, of a picture of this width, into what packing their composite would give:
-/// where both have a pixel, the one with the larger key is kept.
+/// where both have a pixel, the one with the larger key is kept, of equal ones that with the larger tie if there are ties.
 ///
 /// # Errors
 /// [`PacketError`], of the first packet if its spans are not valid, else of the second one.
@@ -299,13 +329,19 @@ pub fn merge(
         }
         let source = match is_next {
             [true, true] => {
-                let keys = [0, 1].map(|k| {
-                    let (span, from) = next[k];
-                    &packets[k][span].samples[from * KEY..(from + end - start) * KEY]
-                });
-                let [own, theirs] = keys.map(|keys| keys.chunks_exact(KEY).map(pod_read_unaligned::<u64>));
+                let spans = [0, 1].map(|k| (&packets[k][next[k].0], next[k].1));
                 let flags = second_wins.len();
-                second_wins.extend(own.zip(theirs).map(|(own, theirs)| theirs > own));
+                if planes.ties {
+                    let [own, theirs] = spans.map(|(span, from)| {
+                        let ties = span.ties(from, end - start).map(pod_read_unaligned::<u32>);
+                        span.keys(from, end - start).map(pod_read_unaligned::<u64>).zip(ties)
+                    });
+                    second_wins.extend(own.zip(theirs).map(|(own, theirs)| theirs > own));
+                } else {
+                    let [own, theirs] =
+                        spans.map(|(span, from)| span.keys(from, end - start).map(pod_read_unaligned::<u64>));
+                    second_wins.extend(own.zip(theirs).map(|(own, theirs)| theirs > own));
+                }
                 merged.won += second_wins[flags..].iter().map(|&wins| u64::from(wins)).sum::<u64>();
                 Source::Both { spans: [next[0].0, next[1].0], from: [next[0].1, next[1].1], flags }
             }

@@ -16,7 +16,7 @@ use crate::{ParallelError, RankReport};
 pub struct Finished<'a> {
     /// Tiles whose pixels in the frame are those of the picture.
     pub tiles: &'a [u32],
-    /// Further tiles as packets of the frame's planes, and keys.
+    /// Further tiles as packets of the [`composited_planes`].
     pub packets: Parts,
 }
 
@@ -33,6 +33,7 @@ pub fn send(
 ) -> Result<(), ParallelError> {
     let outputs = &context.settings.outputs;
     let mut message = comm.buffer(0);
+    let is_wide = context.is_wide();
     let packed = report.stages.collect.time(|| {
         let rows = 0..frame.height;
         let background =
@@ -51,23 +52,33 @@ pub fn send(
             let packets: Vec<Vec<u8>> = finished.tiles.par_iter().map(packed).collect();
             packets.iter().for_each(|packet| message.extend_from_slice(packet));
         }
-        strip(finished, outputs, &mut message)
+        strip(finished, outputs, is_wide, &mut message)
     });
     report.pixels.visible += packed.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
     comm.send(0, message)?;
     Ok(())
 }
 
-/// Appends the packets without keys, unless these are requested, and returns the number of their pixels.
-fn strip(finished: &Finished, outputs: &Outputs, message: &mut Vec<u8>) -> Result<u64, PacketError> {
+/// The planes of packets that are composited for a frame with these.
+pub fn composited_planes(outputs: &Outputs, is_wide: bool) -> Outputs {
+    Outputs { keys: true, ties: outputs.ties || is_wide, ..*outputs }
+}
+
+/// Appends the packets without keys and ties, unless these are requested, and returns the number of their pixels.
+fn strip(
+    finished: &Finished,
+    outputs: &Outputs,
+    is_wide: bool,
+    message: &mut Vec<u8>,
+) -> Result<u64, PacketError> {
     let mut pixels = 0;
-    let planes = Outputs { keys: true, ..*outputs };
+    let planes = composited_planes(outputs, is_wide);
     for packet in finished.packets.values() {
-        if outputs.keys {
+        if planes == *outputs {
             pixels += count_pixels(packet, &planes)?;
             message.extend_from_slice(packet);
         } else {
-            pixels += without_keys(packet, &planes, message)?;
+            pixels += without_keys(packet, &planes, outputs, message)?;
         }
     }
     Ok(pixels)
@@ -89,7 +100,7 @@ pub fn receive(
     let stages = &mut report.stages;
     let own = stages.collect.time(|| {
         let mut message = Vec::new();
-        let pixels = strip(finished, &outputs, &mut message)?;
+        let pixels = strip(finished, &outputs, context.is_wide(), &mut message)?;
         unpack(&message, &outputs, frame)?;
         Ok(pixels)
     });

@@ -5,12 +5,11 @@ use std::time::Instant;
 use rayon::scope;
 use tercio_mesh::loops::prelude::*;
 use tercio_raster::context::FrameContext;
-use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
 use tercio_raster::stats::FrontEndCounts;
-use tercio_raster::{Frame, FrameStats, Outputs, Part, RenderError, SampleShading, Settings, TileSet};
+use tercio_raster::{Frame, FrameStats, Part, RenderError, SampleShading, Settings, TileSet};
 
-use super::collect::{self, Finished};
+use super::collect::{self, Finished, composited_planes};
 use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
@@ -76,7 +75,7 @@ fn draw_steps(
     let gathered;
     let (mut scene, mut counts) = (scene, None);
     if in_parts {
-        own.held.begin(&members, settings.outputs.ids);
+        own.held.begin(&members, settings.outputs.ids, context.is_wide());
     }
     if in_parts && members.len() > 1 {
         own.sort(&context, report);
@@ -230,11 +229,14 @@ fn composite_pixels(
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
     let Sharing { composition, encoding, .. } = task.sharing;
-    let planes = Outputs { keys: true, ..task.settings.outputs };
+    let planes = composited_planes(&task.settings.outputs, context.is_wide());
     let settings = Settings { outputs: planes, clusters: part, ..context.settings.clone() };
     let keyed = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
     if frame.planes.keys.is_empty() {
         frame.planes.keys = std::mem::take(&mut own.keys);
+    }
+    if frame.planes.ties.is_empty() {
+        frame.planes.ties = std::mem::take(&mut own.ties);
     }
     frame.resize(&settings);
     let tiles = shared.tiles_of(comm.rank());
@@ -255,6 +257,9 @@ fn composite_pixels(
     });
     if !task.settings.outputs.keys {
         own.keys = std::mem::take(&mut frame.planes.keys);
+    }
+    if !task.settings.outputs.ties {
+        own.ties = std::mem::take(&mut frame.planes.ties);
     }
     let content = Content::Pixels { planes, width: task.settings.width };
     comm.begin(Kind::Pixels);
@@ -337,10 +342,10 @@ fn composite_fragments(
 /// The rounds for what is not opaque.
 fn rounds_of(drawing: &FrameContext, own: &Rank, rank: usize, shared: &Shared) -> Rounds {
     let Settings { sampling, outputs, layer_memory, .. } = drawing.settings;
-    let count = sampling.pattern.count();
+    let (count, layout) = (sampling.pattern.count(), drawing.fragment_layout(outputs));
     let of_pixel = match sampling.shading {
-        SampleShading::Sample => count * fragment_bytes(outputs, 1),
-        _ => fragment_bytes(outputs, count),
+        SampleShading::Sample => count * layout.bytes(1),
+        _ => layout.bytes(count),
     };
     let pixels = own.sorted.layer_pixels(drawing);
     // There may be entries in tiles that other ranks of its group draw.

@@ -12,10 +12,11 @@ use tercio_scene::{Instance, Share};
 /// What a rank has of others of its group, and they of it, by instance of the scene.
 #[derive(Debug, Default)]
 pub struct Held {
-    /// The group, and whether clusters have the numbers of their faces.
-    of: (Range<usize>, bool),
+    /// The group, whether clusters have the numbers of their faces, and whether numbers are those in the senders' parts.
+    of: (Range<usize>, bool, bool),
     given: Vec<Given>,
-    pub gathered: Vec<Kept>,
+    /// Of each instance: all in one mesh, or in one for each sender.
+    pub gathered: Vec<Vec<Kept>>,
 }
 
 /// Clusters of this rank's part that ranks of the group have.
@@ -57,8 +58,8 @@ pub struct Migration {
 
 impl Held {
     /// Begins a frame of a group, all of whose ranks do the same; also if it has one rank only. What another group had is forgotten.
-    pub fn begin(&mut self, members: &Range<usize>, has_faces: bool) {
-        let of = (members.clone(), has_faces);
+    pub fn begin(&mut self, members: &Range<usize>, has_faces: bool, is_wide: bool) {
+        let of = (members.clone(), has_faces, is_wide);
         if self.of != of {
             *self = Self { of, ..Self::default() };
         }
@@ -108,8 +109,14 @@ mod tests {
 
     use super::*;
 
-    const SHARE: Share =
-        Share { first_triangle: 0, triangles: 1, first_face: 0, faces: 1, has_whole_numbers: false };
+    const SHARE: Share = Share {
+        first_triangle: 0,
+        triangles: 1,
+        first_face: 0,
+        faces: 1,
+        base: None,
+        has_whole_numbers: false,
+    };
 
     fn instance() -> Instance {
         let mesh = tercio_mesh::builtin::make("builtin:sphere@100").expect("a model");
@@ -119,7 +126,7 @@ mod tests {
     #[test]
     fn a_rank_gets_what_it_has_not() {
         let mut held = Held::default();
-        held.begin(&(3..5), false);
+        held.begin(&(3..5), false, false);
         let mut first = instance();
         let needs = |held: &mut Held, instance: &Instance, share, needed: &[u32]| {
             let Migration { is_kept, new } = held.migrate(0, (instance, share), 1, needed);
@@ -131,7 +138,7 @@ mod tests {
         // Ranks of the same group, with other triangles before these.
         let share = Share { first_triangle: 1, ..SHARE };
         assert_eq!(needs(&mut held, &first, share, &[1, 2]), (vec![], vec![1, 2]));
-        held.begin(&(3..5), false);
+        held.begin(&(3..5), false, false);
         assert_eq!(needs(&mut held, &first, share, &[1, 2]), (vec![true, true], vec![]));
         // The mesh is another one, also if it gets the same memory, or if it is changed in its place.
         assert_eq!(needs(&mut held, &instance(), share, &[1]), (vec![], vec![1]));
@@ -139,10 +146,12 @@ mod tests {
         assert_eq!(needs(&mut held, &first, share, &[1]), (vec![], vec![1]));
         Arc::make_mut(&mut first.mesh).materials.clear();
         assert_eq!(needs(&mut held, &first, share, &[1]), (vec![], vec![1]));
-        // Another group, or faces.
-        held.begin(&(3..5), true);
+        // Another group, faces, or other numbers.
+        held.begin(&(3..5), true, false);
         assert_eq!(needs(&mut held, &first, share, &[1]), (vec![], vec![1]));
-        held.begin(&(2..5), true);
+        held.begin(&(3..5), true, true);
+        assert_eq!(needs(&mut held, &first, share, &[1]), (vec![], vec![1]));
+        held.begin(&(2..5), true, true);
         assert_eq!(needs(&mut held, &first, share, &[1]), (vec![], vec![1]));
     }
 

@@ -146,6 +146,8 @@ pub struct Rank {
     renderer: Renderer,
     /// Memory for the keys of a picture whose settings do not request keys.
     keys: Vec<u64>,
+    /// Likewise of ties.
+    ties: Vec<u32>,
     /// The fragments that this rank drew, if fragments are composited.
     fragments: Frame,
     /// What it draws from.

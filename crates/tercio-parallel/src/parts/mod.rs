@@ -53,10 +53,10 @@ pub enum PartsError {
         /// The first rank that failed.
         rank: usize,
     },
-    /// The model has more triangles or faces than 32-bit numbers can count.
+    /// The model has more triangles or faces than can be numbered.
     #[error(
         "the parts have {triangles} triangles and {faces} faces together: at most {} of each can be numbered",
-        tercio_mesh::mesh::MAX_ELEMENTS
+        tercio_raster::context::MAX_NUMBERS
     )]
     TooLarge {
         /// Triangles of all parts.

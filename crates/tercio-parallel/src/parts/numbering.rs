@@ -2,9 +2,8 @@
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, pod_read_unaligned};
 use tercio_mesh::cluster::Whole;
-use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::{Aabb, ClusteredMesh, checksum};
-use tercio_raster::context::faces_of;
+use tercio_raster::context::{MAX_NUMBERS, faces_of};
 use tercio_scene::{Scene, Share};
 
 use super::PartsError;
@@ -87,8 +86,7 @@ pub fn number(
         return Err(PartsError::Differs { rank, what }.into());
     }
     // As the whole model's, without faces behind the last one that has a triangle.
-    let (mut share, mut first_face) =
-        (Share { first_triangle: 0, triangles: 0, first_face: 0, faces: 0, has_whole_numbers: false }, 0u64);
+    let (mut share, mut first_face) = (Share::default(), 0u64);
     for (number, of) in all.iter().enumerate() {
         if number == rank {
             (share.first_triangle, share.first_face) = (share.triangles, first_face);
@@ -99,7 +97,7 @@ pub fn number(
         share.triangles = share.triangles.saturating_add(of.triangles);
         first_face = first_face.saturating_add(of.faces);
     }
-    if share.triangles > MAX_ELEMENTS || first_face.max(share.faces) > MAX_ELEMENTS {
+    if share.triangles > MAX_NUMBERS || first_face.max(share.faces) > MAX_NUMBERS {
         let (triangles, faces) = (share.triangles, first_face.max(share.faces));
         return Err(PartsError::TooLarge { triangles, faces }.into());
     }

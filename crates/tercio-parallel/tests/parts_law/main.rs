@@ -3,6 +3,7 @@
 mod kept;
 mod model;
 mod refused;
+mod wide;
 
 use std::sync::Arc;
 

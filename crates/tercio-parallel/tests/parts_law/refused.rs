@@ -39,7 +39,7 @@ fn parts_of_different_models_are_refused() {
     assert!(change(|mesh| mesh.normals = None).contains("other normals"));
     assert!(change(|mesh| mesh.materials.push(FileMaterial::default())).contains("other materials"));
     let mut many = split_evenly(&mesh, 2);
-    many[1].1 = u64::from(u32::MAX);
+    many[1].1 = u64::MAX;
     assert!(matches!(error_of(&many), ParallelError::Parts(PartsError::TooLarge { .. })));
 }
 

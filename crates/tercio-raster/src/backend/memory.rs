@@ -9,7 +9,7 @@ use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::context::{FrameContext, NO_SLOT};
-use crate::frame::visibility_key;
+use crate::frame::{Planes, key_and_tie, visibility_key, wide_key};
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
@@ -139,17 +139,34 @@ impl TileMemory {
         (self.stride() - WIDTH) as i32
     }
 
-    /// Writes the visibility keys of the drawn pixels, if `keys` has any: it is either empty or has one for each sample of the
-    /// tile that is inside the picture, with the tile's stride.
-    pub fn write_keys(&self, context: &FrameContext, keys: &mut [u64]) {
+    /// Writes the visibility keys of the drawn pixels to the planes of keys and ties, each of which is either empty or has a pixel
+    /// for each sample of the tile that is inside the picture, with the tile's stride.
+    pub fn write_keys(&self, context: &FrameContext, pixels: &mut Planes) {
+        if context.is_wide() {
+            let Planes { keys, ties, .. } = pixels;
+            self.each_primitive(context, keys.len().max(ties.len()), |place, depth, primitive| {
+                let (key, tie) = key_and_tie(wide_key(depth, primitive), true);
+                keys.get_mut(place).into_iter().for_each(|own| *own = key);
+                ties.get_mut(place).into_iter().for_each(|own| *own = tie);
+            });
+        } else {
+            let keys = &mut pixels.keys[..];
+            self.each_primitive(context, keys.len(), |place, depth, primitive| {
+                keys[place] = visibility_key(depth, primitive as u32);
+            });
+        }
+    }
+
+    /// Calls `put` with the place, the depth and the primitive number of each pixel that was drawn, of the first `places`.
+    #[inline(always)]
+    fn each_primitive(&self, context: &FrameContext, places: usize, mut put: impl FnMut(usize, f32, u64)) {
         let width = (self.last[0] - self.corner[0] + 1) as usize;
         // Neighbours are often of the same cluster.
         let (mut located, mut cluster) = (NO_SLOT, None);
-        let rows = keys.chunks_exact_mut(self.stride()).enumerate();
-        for (row, keys) in rows {
+        for row in 0..places / self.stride() {
             let first = row * self.stride();
             let samples = self.slot[first..first + width].iter().zip(&self.depth[first..first + width]);
-            for (key, (&slot, &depth)) in keys.iter_mut().zip(samples) {
+            for (place, (&slot, &depth)) in (first..).zip(samples) {
                 if slot == NO_SLOT {
                     continue;
                 }
@@ -163,7 +180,7 @@ impl TileMemory {
                     }
                 };
                 let primitive = first_primitive + u64::from(cluster.primitive(slot as usize % MAX_TRIANGLES));
-                *key = visibility_key(depth, primitive as u32);
+                put(place, depth, primitive);
             }
         }
     }

@@ -130,7 +130,7 @@ enum Shade {
 /// The planes that shading writes. Keys are those of the samples that are visible in the end: written once, not whenever a
 /// pixel is shaded, they leave the fastest kernels usable.
 fn shaded_outputs(canvas: &Canvas) -> Outputs {
-    Outputs { keys: false, ..*canvas.outputs() }
+    Outputs { keys: false, ties: false, ..*canvas.outputs() }
 }
 
 /// Draws one tile from all bins and writes it to the picture.
@@ -173,7 +173,7 @@ pub fn run<S: Simd, T: Tally>(
         shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, shaded, &mut tally);
     }
     if last > LastStage::Visibility {
-        scratch.tile.write_keys(context, &mut scratch.pixels.keys);
+        scratch.tile.write_keys(context, &mut scratch.pixels);
     }
     tally.counts().pixels_visible += scratch.tile.visible();
     target.write(&scratch.pixels, stride);
@@ -229,7 +229,7 @@ pub fn finish<S: Simd, T: Tally>(
     let stride = 1 << memory::stride_bits(context);
     target.clear(&mut scratch.pixels, stride);
     shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, &shaded_outputs(canvas), &mut tally);
-    scratch.tile.write_keys(context, &mut scratch.pixels.keys);
+    scratch.tile.write_keys(context, &mut scratch.pixels);
     target.write(&scratch.pixels, stride);
     tally
 }

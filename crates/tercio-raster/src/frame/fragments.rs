@@ -2,8 +2,8 @@
 //! ([`Settings::keep_fragments`](crate::Settings::keep_fragments)), and the owner of a tile merges those of all ranks
 //! ([`Renderer::merge`](crate::Renderer::merge)).
 //!
-//! A fragment is a triangle in a pixel. Its bytes are a [`FragmentHead`]; its normal and the number of its face, each if that
-//! plane is requested; and its depths, as `f32`, at the samples of its mask in ascending order. The bytes of a tile are those
+//! A fragment is a triangle in a pixel. Its bytes are a [`FragmentHead`]; the upper 32 bits of the number of its primitive, if
+//! numbers need more than 32; its normal and the number of its face, each if that plane is requested; and its depths, as `f32`, at the samples of its mask in ascending order. The bytes of a tile are those
 //! of its fragments in any order, in native byte order. Opaque ones are there at samples where they are the nearest, others
 //! where nothing opaque is in front of them.
 
@@ -33,7 +33,7 @@ pub struct FragmentsOfTile<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct FragmentHead {
-    /// Number of the primitive, which breaks ties of depth.
+    /// The lower 32 bits of the number of the primitive, which breaks ties of depth.
     pub primitive: u32,
     /// Its pixel, counted from the first one that the tile needs: its row in the tile memory times the distance of rows, plus its column.
     pub place: u16,
@@ -48,6 +48,8 @@ pub struct FragmentHead {
 pub struct TileFragment<'a> {
     /// What every fragment has.
     pub head: FragmentHead,
+    /// Number of its primitive.
+    pub primitive: u64,
     /// Its normal, or zero.
     pub normal: [f32; 3],
     /// Number of its face, or 0.
@@ -98,27 +100,50 @@ pub enum FragmentError {
     },
 }
 
-/// Number of bytes of a fragment at this many samples.
-pub fn fragment_bytes(outputs: &Outputs, samples: usize) -> usize {
-    let normal = if outputs.normals { size_of::<[f32; 3]>() } else { 0 };
-    let face = if outputs.ids { size_of::<u32>() } else { 0 };
-    size_of::<FragmentHead>() + normal + face + samples * size_of::<f32>()
+/// What fragments have as bytes, besides their heads and depths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FragmentLayout {
+    /// The upper 32 bits of the number of the primitive.
+    pub wide: bool,
+    /// The normal.
+    pub normals: bool,
+    /// The number of the face.
+    pub ids: bool,
 }
 
-/// Appends the bytes of a fragment: its normal and its face are written if these planes are requested.
+impl FragmentLayout {
+    /// Of a frame with these planes; `is_wide` if numbers of primitives need more than 32 bits.
+    pub fn new(outputs: &Outputs, is_wide: bool) -> Self {
+        Self { wide: is_wide, normals: outputs.normals, ids: outputs.ids }
+    }
+
+    /// Number of bytes of a fragment at this many samples.
+    pub fn bytes(self, samples: usize) -> usize {
+        let number = if self.wide { size_of::<u32>() } else { 0 };
+        let normal = if self.normals { size_of::<[f32; 3]>() } else { 0 };
+        let face = if self.ids { size_of::<u32>() } else { 0 };
+        size_of::<FragmentHead>() + number + normal + face + samples * size_of::<f32>()
+    }
+}
+
+/// Appends the bytes of a fragment, whose head has the lower half of the number of its primitive.
 pub fn write_fragment(
-    outputs: &Outputs,
+    layout: FragmentLayout,
     head: &FragmentHead,
+    primitive: u64,
     normal: [f32; 3],
     face: impl FnOnce() -> u32,
     depths: impl Iterator<Item = f32>,
     out: &mut Vec<u8>,
 ) {
     out.extend_from_slice(bytes_of(head));
-    if outputs.normals {
+    if layout.wide {
+        out.extend_from_slice(&((primitive >> 32) as u32).to_ne_bytes());
+    }
+    if layout.normals {
         out.extend_from_slice(bytes_of(&normal));
     }
-    if outputs.ids {
+    if layout.ids {
         out.extend_from_slice(&face().to_ne_bytes());
     }
     depths.for_each(|depth| out.extend_from_slice(&depth.to_ne_bytes()));
@@ -126,20 +151,24 @@ pub fn write_fragment(
 
 impl<'a> TileFragment<'a> {
     /// Reads the first fragment of some bytes, and returns the bytes behind it; `None` if they end inside it.
-    pub fn read(outputs: &Outputs, bytes: &'a [u8]) -> Option<(Self, &'a [u8])> {
+    pub fn read(layout: FragmentLayout, bytes: &'a [u8]) -> Option<(Self, &'a [u8])> {
         let (head, mut rest) = bytes.split_at_checked(size_of::<FragmentHead>())?;
         let head: FragmentHead = pod_read_unaligned(head);
-        let (mut normal, mut face) = ([0.0; 3], 0);
-        if outputs.normals {
+        let (mut primitive, mut normal, mut face) = (u64::from(head.primitive), [0.0; 3], 0);
+        if layout.wide {
+            let (own, behind) = rest.split_at_checked(size_of::<u32>())?;
+            (primitive, rest) = (primitive | u64::from(pod_read_unaligned::<u32>(own)) << 32, behind);
+        }
+        if layout.normals {
             let (own, behind) = rest.split_at_checked(size_of::<[f32; 3]>())?;
             (normal, rest) = (pod_read_unaligned(own), behind);
         }
-        if outputs.ids {
+        if layout.ids {
             let (own, behind) = rest.split_at_checked(size_of::<u32>())?;
             (face, rest) = (pod_read_unaligned(own), behind);
         }
         let (depths, rest) = rest.split_at_checked(head.mask.count_ones() as usize * size_of::<f32>())?;
-        Some((Self { head, normal, face, depths }, rest))
+        Some((Self { head, primitive, normal, face, depths }, rest))
     }
 
     /// Its depth at a sample of its mask.
@@ -160,20 +189,24 @@ mod tests {
             let color = [0.25, 0.5, 0.0, 0.75];
             FragmentHead { primitive, place, mask, color }
         });
-        for outputs in [Outputs::NONE, Outputs::ALL, Outputs { ids: true, ..Outputs::NONE }] {
+        let planes = [Outputs::NONE, Outputs::ALL, Outputs { ids: true, ..Outputs::NONE }];
+        for layout in planes.iter().flat_map(|of| [false, true].map(|wide| FragmentLayout::new(of, wide))) {
+            let high = |head: &FragmentHead| if layout.wide { u64::from(head.place) << 32 } else { 0 };
+            let number = |head: &FragmentHead| u64::from(head.primitive) | high(head);
             let mut bytes = Vec::new();
             for head in &heads {
                 let depths = (0..head.mask.count_ones()).map(|k| k as f32 + 0.5);
                 let before = bytes.len();
-                write_fragment(&outputs, head, [1.0, 2.0, 3.0], || head.primitive + 1, depths, &mut bytes);
-                assert_eq!(bytes.len() - before, fragment_bytes(&outputs, head.mask.count_ones() as usize));
+                let face = || head.primitive + 1;
+                write_fragment(layout, head, number(head), [1.0, 2.0, 3.0], face, depths, &mut bytes);
+                assert_eq!(bytes.len() - before, layout.bytes(head.mask.count_ones() as usize));
             }
             let mut rest = &bytes[..];
             for head in &heads {
-                let (fragment, behind) = TileFragment::read(&outputs, rest).unwrap();
-                assert_eq!(fragment.head, *head);
-                assert_eq!(fragment.normal, if outputs.normals { [1.0, 2.0, 3.0] } else { [0.0; 3] });
-                assert_eq!(fragment.face, if outputs.ids { head.primitive + 1 } else { 0 });
+                let (fragment, behind) = TileFragment::read(layout, rest).unwrap();
+                assert_eq!((fragment.head, fragment.primitive), (*head, number(head)));
+                assert_eq!(fragment.normal, if layout.normals { [1.0, 2.0, 3.0] } else { [0.0; 3] });
+                assert_eq!(fragment.face, if layout.ids { head.primitive + 1 } else { 0 });
                 let samples = (0..16).filter(|sample| head.mask >> sample & 1 == 1);
                 for (k, sample) in samples.enumerate() {
                     assert_eq!(fragment.depth(sample), k as f32 + 0.5);
@@ -181,8 +214,8 @@ mod tests {
                 rest = behind;
             }
             assert!(rest.is_empty());
-            for length in 0..fragment_bytes(&outputs, 2) {
-                assert_eq!(TileFragment::read(&outputs, &bytes[..length]), None);
+            for length in 0..layout.bytes(2) {
+                assert_eq!(TileFragment::read(layout, &bytes[..length]), None);
             }
         }
     }

@@ -223,6 +223,9 @@ macro_rules! planes {
 planes! {
     /// Visibility keys ([`super::visibility_key`]), used to compose pictures of parts; 0 where nothing was drawn.
     keys: u64, wanted: false, background: _row => 0;
+    /// What decides between equal keys if primitive numbers need more than 32 bits ([`super::key_and_tie`]); 0 otherwise, and where
+    /// nothing was drawn.
+    ties: u32, wanted: false, background: _row => 0;
     /// sRGB colour, 8 bits, alpha not premultiplied.
     color: [u8; 4], wanted: true, background: row => row.level(255.0).map(|c| c as u8);
     /// sRGB colour, 16 bits, alpha not premultiplied.

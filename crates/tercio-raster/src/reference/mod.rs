@@ -13,6 +13,8 @@ mod resolve;
 mod shading;
 mod texture;
 
+use std::cmp::Ordering;
+
 use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Instance, Scene};
 
@@ -20,7 +22,7 @@ use crate::context::{check_light, check_range, shadows_on};
 use crate::conventions::SUBPIXELS;
 use crate::data::{DataTable, check_data};
 use crate::error::RenderError;
-use crate::frame::{Frame, Pixel, visibility_key};
+use crate::frame::{Frame, NO_PRIMITIVE, Pixel, key_and_tie, wide_key};
 use crate::lighting::LightRig;
 use crate::projection::clip::clip_triangle;
 use crate::sampling::SampleShading;
@@ -36,6 +38,8 @@ struct Layer {
     depth: f32,
     instance: usize,
     triangle: usize,
+    /// Number of the triangle in the picture.
+    primitive: u64,
     /// The samples of the pixel that the triangle covers, one bit each.
     covered: u32,
 }
@@ -64,6 +68,7 @@ pub fn render(
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
     let cells = settings.sampling.pattern.cells();
     let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
+    let (first_primitives, first_faces, is_wide) = first_numbers(meshes, scene);
     let mut samples: Vec<Vec<Layer>> = vec![Vec::new(); width * height * cells.count];
 
     for (instance, mesh) in meshes.iter().enumerate() {
@@ -74,7 +79,8 @@ pub fn render(
             let mut draw = |corners: [ScreenVertex; 3]| {
                 rasterize(corners, object.mirrored, settings, |[x, y], sample, covered, depth| {
                     let layers = &mut samples[(y * width + x) * cells.count + sample];
-                    let new = Layer { depth, instance, triangle, covered };
+                    let primitive = first_primitives[instance] + triangle as u64;
+                    let new = Layer { depth, instance, triangle, primitive, covered };
                     // Of the pieces of a clipped triangle, the nearer one counts, then the one that covers more, by the
                     // number that its mask is.
                     let is_same = |old: &&mut Layer| (old.instance, old.triangle) == (instance, triangle);
@@ -84,8 +90,7 @@ pub fn render(
                         }
                     } else if !is_opaque || layers.is_empty() {
                         layers.push(new);
-                    } else if depth > layers[0].depth {
-                        // Triangles are drawn in the order of their numbers: among equal depths the first one stays.
+                    } else if is_in_front(&new, &layers[0]).is_lt() {
                         layers[0] = new;
                     }
                 });
@@ -101,13 +106,11 @@ pub fn render(
     let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
     let shadows = shadows_on(scene, &objects, camera, settings)?;
     let data: Vec<Option<DataTable>> = scene.instances.iter().map(DataTable::of).collect();
-    let first_faces = first_faces(meshes);
-    let first_primitives = first_primitives(meshes);
     let mut shaded_samples = Vec::with_capacity(samples.len());
     for (index, layers) in samples.iter_mut().enumerate() {
         let (number, x, y) = (index % cells.count, index / cells.count % width, index / cells.count / width);
-        // The nearest first; the sort is stable, so among equal depths the first triangle.
-        layers.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        // The nearest first.
+        layers.sort_by(is_in_front);
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
         let (mut linear, mut passing) = ([0.0; 4], 1.0);
         for layer in &*layers {
@@ -137,10 +140,9 @@ pub fn render(
             if passing == 1.0 {
                 let face =
                     mesh.face_of_triangle.as_ref().map_or(layer.triangle as u32, |f| f[layer.triangle]);
-                let primitive = first_primitives[layer.instance] + layer.triangle as u32;
-                pixel.keys = visibility_key(layer.depth, primitive);
+                (pixel.keys, pixel.ties) = key_and_tie(wide_key(layer.depth, layer.primitive), is_wide);
                 pixel.depth = view.distance(layer.depth);
-                pixel.ids = first_faces[layer.instance] + face;
+                pixel.ids = (first_faces[layer.instance] + u64::from(face)) as u32;
                 pixel.normals = shaded.normal;
             }
             (0..4).for_each(|k| linear[k] += passing * shaded.linear[k]);
@@ -168,27 +170,28 @@ pub fn render(
     Ok(frame)
 }
 
-/// Number of each mesh's first face.
-fn first_faces(meshes: &[&Mesh]) -> Vec<u32> {
-    let mut next = 0;
-    let faces = |mesh: &Mesh| match &mesh.face_of_triangle {
-        Some(faces) => faces.last().map_or(0, |&last| last + 1),
-        None => mesh.triangles.len() as u32,
-    };
-    meshes
-        .iter()
-        .map(|mesh| {
-            let first = next;
-            next += faces(mesh);
-            first
-        })
-        .collect()
+/// Orders triangles at a sample: the nearer one first, of equal depths the one with the lower number.
+fn is_in_front(a: &Layer, b: &Layer) -> Ordering {
+    b.depth.total_cmp(&a.depth).then(a.primitive.cmp(&b.primitive))
 }
 
-/// Number of each mesh's first triangle.
-fn first_primitives(meshes: &[&Mesh]) -> Vec<u32> {
-    let count = |meshes: &[&Mesh]| meshes.iter().map(|m| m.triangles.len() as u32).sum();
-    (0..meshes.len()).map(|k| count(&meshes[..k])).collect()
+/// Numbers of each mesh's first triangle and first face, and whether the former need more than 32 bits.
+fn first_numbers(meshes: &[&Mesh], scene: &Scene) -> (Vec<u64>, Vec<u64>, bool) {
+    let (mut primitives, mut faces, mut is_wide) = (Vec::new(), Vec::new(), false);
+    let mut next = [0; 2];
+    for (mesh, instance) in meshes.iter().zip(&scene.instances) {
+        next = instance.share.and_then(|share| share.base).unwrap_or(next);
+        primitives.push(next[0]);
+        faces.push(next[1]);
+        let count = mesh.triangles.len() as u64;
+        let of_faces = match &mesh.face_of_triangle {
+            Some(faces) => faces.last().map_or(0, |&last| u64::from(last) + 1),
+            None => count,
+        };
+        next = [next[0] + count, next[1] + of_faces];
+        is_wide |= next[0] >= u64::from(NO_PRIMITIVE);
+    }
+    (primitives, faces, is_wide)
 }
 
 /// Calls `emit(pixel, sample, covered, depth)` for every sample that a triangle covers: `sample` is its number in the

@@ -34,7 +34,9 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
             }
         }
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
-        pixel.keys = contributing.iter().map(|(sample, _)| sample.keys).max().unwrap_or(0);
+        let key = |sample: &Pixel| (sample.keys, sample.ties);
+        let keys = contributing.iter().map(|(sample, _)| key(sample));
+        (pixel.keys, pixel.ties) = keys.max().unwrap_or_default();
         if pixel.keys > 0 {
             let linear = match settings.sampling.filter {
                 Filter::Box if own.iter().all(|s| s.linear == own[0].linear) => own[0].linear,
@@ -50,7 +52,7 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
             };
             set_colors(&mut pixel, linear);
         }
-        let nearest = own.iter().fold(&own[0], |best, s| if s.keys > best.keys { s } else { best });
+        let nearest = own.iter().fold(&own[0], |best, s| if key(s) > key(best) { s } else { best });
         if nearest.keys > 0 {
             (pixel.depth, pixel.ids, pixel.normals) = (nearest.depth, nearest.ids, nearest.normals);
         }

@@ -11,7 +11,7 @@ use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
 use tercio::raster::Outputs;
-use tercio::raster::frame::fragments::fragment_bytes;
+use tercio::raster::frame::FragmentLayout;
 use tercio::scene::{Background, DataColors, Instance, Light, Scene, scene::Share};
 use tercio::{LoadOptions, LoadedPart, band_bytes};
 
@@ -314,7 +314,7 @@ impl Render {
         if count > 1 && drawers.composites() {
             let (width, height) = self.drawing.size;
             let pixels = u64::from(width) * u64::from(height);
-            fragments = pixels.saturating_mul(fragment_bytes(&plan.outputs, count) as u64);
+            fragments = pixels.saturating_mul(FragmentLayout::new(&plan.outputs, false).bytes(count) as u64);
         }
         let further =
             frame_bytes(plan.outputs, self.drawing.size).saturating_mul(self.stereo.further_frames());

@@ -169,7 +169,7 @@ impl Render {
                 let drawn = member.strokes.has_surface();
                 instances.push(instance_json(instance, drawn.then_some((primitives, faces))));
                 if drawn {
-                    primitives += instance.mesh.triangle_count() as u64;
+                    primitives += triangles_of(instance);
                     faces += faces_of(instance);
                 }
             }
@@ -201,6 +201,11 @@ fn instance_json(instance: &Instance, first: Option<(u64, u64)>) -> Value {
         "mesh_colors": instance.surface.use_mesh_colors,
         "opacity": look::number(instance.surface.opacity),
     })
+}
+
+/// Triangles that count in the numbers of primitives.
+fn triangles_of(instance: &Instance) -> u64 {
+    instance.share.map_or(instance.mesh.triangle_count() as u64, |share| share.triangles)
 }
 
 /// Input faces that count in the numbers of `--output-ids`.

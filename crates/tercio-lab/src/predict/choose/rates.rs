@@ -1,7 +1,7 @@
 //! Seconds of the work of ranks, by what is known of a frame before it is drawn.
 
 use tercio_raster::Settings;
-use tercio_raster::frame::fragments::fragment_bytes;
+use tercio_raster::frame::FragmentLayout;
 
 use crate::machines::{Machine, Operation};
 
@@ -113,7 +113,7 @@ impl Rates {
             byte: COPIED_BYTE,
             finished_bytes,
             composited_bytes: if fragments {
-                fragment_bytes(&settings.outputs, count) as f64
+                FragmentLayout::new(&settings.outputs, false).bytes(count) as f64
             } else {
                 KEY + finished_bytes
             },

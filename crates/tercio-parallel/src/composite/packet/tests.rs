@@ -9,6 +9,7 @@ fn frame(width: u32, keys: Vec<u64>) -> Frame {
     let of = |key: &u64| *key as u32;
     let mut frame = Frame::default();
     (frame.width, frame.height) = (width, keys.len() as u32 / width);
+    frame.planes.ties = keys.iter().map(|k| of(k) ^ 3).collect();
     frame.planes.color = keys.iter().map(|k| of(k).to_le_bytes()).collect();
     frame.planes.color16 = keys.iter().map(|k| [of(k) as u16; 4]).collect();
     frame.planes.depth = keys.iter().map(|k| of(k) as f32).collect();
@@ -37,8 +38,50 @@ fn the_bytes_of_a_packet() {
     assert_eq!(bytes.len(), 2 * SPAN_HEAD + 3 * planes.pixel_bytes());
     assert_eq!(count_pixels(&bytes, &planes), Ok(3));
     let mut bare = vec![9];
-    assert_eq!(without_keys(&bytes, &planes, &mut bare), Ok(3));
+    let only_ids = Outputs { ids: true, ..Outputs::NONE };
+    assert_eq!(without_keys(&bytes, &planes, &only_ids, &mut bare), Ok(3));
     assert_eq!(bare, [9, 1, 0, 0, 0, 2, 0, 7, 0, 0, 0, 9, 0, 0, 0, 7, 0, 0, 0, 1, 0, 5, 0, 0, 0]);
+}
+
+#[test]
+fn keys_and_ties_are_left_out_unless_they_are_wanted() {
+    let frame = frame(4, vec![0, 7, 9, 0, 0, 0, 0, 5]);
+    let packed = |planes: &Outputs| {
+        let mut bytes = Vec::new();
+        pack_drawn(&frame, all(&frame), planes, &mut bytes);
+        bytes
+    };
+    let rest = Outputs { ids: true, normals: true, ..Outputs::NONE };
+    for ties in [false, true] {
+        let planes = Outputs { keys: true, ties, ..rest };
+        for wanted in [rest, Outputs { keys: true, ..rest }, Outputs { ties, ..rest }, planes] {
+            let mut bare = Vec::new();
+            assert_eq!(without_keys(&packed(&planes), &planes, &wanted, &mut bare), Ok(3));
+            assert_eq!(bare, packed(&wanted), "{wanted:?} of {planes:?}");
+        }
+    }
+}
+
+#[test]
+fn of_equal_keys_the_larger_tie_is_seen() {
+    let of = |ties: [u32; 4], colors: u8| {
+        let mut frame = frame(4, vec![0, 1 << 40, 1 << 40, 1 << 41]);
+        (frame.planes.ties, frame.planes.color) = (ties.to_vec(), vec![[colors; 4]; 4]);
+        frame
+    };
+    let planes = Outputs { keys: true, ties: true, ..Outputs::default() };
+    let packed = |frame: &Frame| {
+        let mut bytes = Vec::new();
+        pack_drawn(frame, all(frame), &planes, &mut bytes);
+        bytes
+    };
+    let [ours, theirs] = [of([9, 5, u32::MAX, 0], 1), of([9, 6, 7, 1], 2)].map(|frame| packed(&frame));
+    let mut expected = of([9, 6, u32::MAX, 1], 2);
+    expected.planes.color[2] = [1; 4];
+    for (packets, won) in [([&ours, &theirs], 2), ([&theirs, &ours], 1)] {
+        let merged = merge(packets[0], packets[1], &planes, 4);
+        assert_eq!(merged, Ok((packed(&expected), Merged { pixels: 3, won })));
+    }
 }
 
 #[test]
@@ -101,13 +144,13 @@ proptest! {
     /// A merged packet has the bytes of the packed composite.
     #[test]
     fn the_larger_key_is_seen(
-        keys in prop::collection::vec((0u64..4, 0u64..4), 1..60), width in 1u32..9, planes in 0u32..64,
+        keys in prop::collection::vec((0u64..4, 0u64..4), 1..60), width in 1u32..9, planes in 0u32..128,
     ) {
         let keys = &keys[..keys.len() / width as usize * width as usize];
         let wants = |bit: u32| planes >> bit & 1 == 1;
         let planes = Outputs {
             keys: true, color: wants(0), color16: wants(1), depth: wants(2), linear: wants(3), ids: wants(4),
-            normals: wants(5),
+            normals: wants(5), ties: wants(6),
         };
         // Two ranks never have the same key at the same pixel, except 0.
         let ours: Vec<u64> = keys.iter().map(|k| k.0 * 2).collect();
@@ -144,7 +187,11 @@ proptest! {
         let planes = Outputs { keys: true, ..Outputs::default() };
         let _ = unpack(&bytes, &planes, &mut frame(4, vec![0; 16]));
         let _ = merge(&bytes, &other, &planes, 4);
-        let _ = without_keys(&bytes, &planes, &mut Vec::new());
+        let wide = Outputs { ties: true, ..planes };
+        let _ = merge(&bytes, &other, &wide, 4);
+        for planes in [planes, wide] {
+            let _ = without_keys(&bytes, &planes, &Outputs::default(), &mut Vec::new());
+        }
     }
 }
 

@@ -7,20 +7,20 @@
 use super::fragments::{Fragment, FragmentList, NO_FRAGMENT};
 use crate::context::FrameContext;
 use crate::frame::fragments::{FragmentHead, write_fragment};
-use crate::frame::{Outputs, visibility_key};
+use crate::frame::{Outputs, wide_key};
 use crate::simd::LANES;
 
-/// A range of visibility keys, of which the largest is the nearest.
+/// A range of visibility keys ([`wide_key`]), of which the largest is the nearest.
 #[derive(Clone, Copy, Debug)]
 struct Slice {
     /// Keys are below this.
-    end: u64,
+    end: u128,
     /// Keys are at least this.
-    start: u64,
+    start: u128,
 }
 
 impl Slice {
-    const ALL: Self = Self { end: u64::MAX, start: 0 };
+    const ALL: Self = Self { end: u128::MAX, start: 0 };
 
     fn is_all(self) -> bool {
         self.end == Self::ALL.end && self.start == Self::ALL.start
@@ -128,7 +128,7 @@ impl Layers {
     /// The samples of a mask whose keys are in the slice.
     fn in_slice(&self, context: &FrameContext, slot: u32, mask: u32, depths: &[f32]) -> u32 {
         // The depth decides, except at the ends of the slice. That of the largest key is not the depth of anything.
-        let [start, end] = [self.slice.start, self.slice.end].map(|key| (key >> 32) as u32);
+        let [start, end] = [self.slice.start, self.slice.end].map(|key| (key >> 64) as u32);
         let is_inside = |sample: &usize| {
             // A fragment of one sample has one depth, whichever sample it is.
             let depth = depths[sample & (self.depths_each - 1)];
@@ -136,7 +136,7 @@ impl Layers {
                 bits if bits < start || bits > end => false,
                 bits if bits > start && bits < end => true,
                 _ => {
-                    let key = visibility_key(depth, context.primitive(slot) as u32);
+                    let key = wide_key(depth, context.primitive(slot));
                     (self.slice.start..self.slice.end).contains(&key)
                 }
             }
@@ -170,12 +170,12 @@ impl Layers {
     fn end_earlier(&mut self, context: &FrameContext) {
         let nearest = |number| self.samples(number).map(|(_, depth)| depth).fold(0.0, f32::max);
         // Where all that is left has one depth, by primitive.
-        let by_depth = |number: usize| u64::from(nearest(number).to_bits()) << 32;
-        let by_key = |number: usize| {
-            visibility_key(nearest(number), context.primitive(self.list.fragments[number].slot) as u32)
-        };
+        let by_depth = |number: usize| nearest(number).to_bits();
+        let by_key =
+            |number: usize| wide_key(nearest(number), context.primitive(self.list.fragments[number].slot));
         let all = 0..self.list.count;
-        let start = middle_key(all.clone().map(by_depth)).or_else(|| middle_key(all.map(by_key)));
+        let of_depth = middle_key(all.clone().map(by_depth)).map(|depth| u128::from(depth) << 64);
+        let start = of_depth.or_else(|| middle_key(all.map(by_key)));
         let Some(start) = start else { return };
         self.slice.start = start;
         for number in 0..self.list.count {
@@ -289,14 +289,16 @@ impl Layers {
 
     /// Appends all layers, which are shaded, as bytes ([`crate::frame::fragments`]).
     pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
+        let layout = context.fragment_layout(outputs);
         for number in 0..self.list.count {
             let Fragment { slot, pixel: place, .. } = self.list.fragments[number];
-            let (primitive, mask) = (context.primitive(slot) as u32, self.mask(number));
-            let head = FragmentHead { primitive, place, mask, color: self.list.colors[number] };
+            let (primitive, mask) = (context.primitive(slot), self.mask(number));
+            let head =
+                FragmentHead { primitive: primitive as u32, place, mask, color: self.list.colors[number] };
             if mask != 0 {
                 let normal = self.list.normals.get(number).copied().unwrap_or_default();
                 let depths = self.samples(number).map(|(_, depth)| depth);
-                write_fragment(outputs, &head, normal, || context.face(slot), depths, out);
+                write_fragment(layout, &head, primitive, normal, || context.face(slot), depths, out);
             }
         }
     }
@@ -318,8 +320,8 @@ fn grow_to<T: Copy + Default>(array: &mut Vec<T>, length: usize) {
 }
 
 /// A key of about the middle that is not the lowest; `None` if all are the same.
-fn middle_key(keys: impl Iterator<Item = u64>) -> Option<u64> {
-    let mut keys: Vec<u64> = keys.collect();
+fn middle_key<K: Ord + Copy>(keys: impl Iterator<Item = K>) -> Option<K> {
+    let mut keys: Vec<K> = keys.collect();
     let least = *keys.iter().min()?;
     let count = keys.len();
     let middle = *keys.select_nth_unstable(count / 2).1;

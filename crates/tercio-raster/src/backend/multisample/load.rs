@@ -5,7 +5,7 @@ use super::memory::SampleMemory;
 use super::shade::is_needed;
 use crate::context::FrameContext;
 use crate::frame::fragments::{FragmentError, FragmentHead, FragmentsOfTile, TileFragment, write_fragment};
-use crate::frame::{Outputs, visibility_key};
+use crate::frame::{FragmentLayout, Outputs, wide_key};
 use crate::sampling::MAX_SAMPLES;
 use crate::simd::LANES;
 
@@ -13,20 +13,21 @@ use crate::simd::LANES;
 #[derive(Clone, Copy, Debug)]
 pub struct Origin {
     /// Number of its primitive.
-    pub primitive: u32,
+    pub primitive: u64,
     /// Number of its face, if that is requested.
     pub face: u32,
 }
 
 impl SampleMemory {
     /// Number of the primitive in a slot.
-    pub fn primitive(&self, context: &FrameContext, slot: u32) -> u32 {
+    pub fn primitive(&self, context: &FrameContext, slot: u32) -> u64 {
         let origin = self.origins.get(slot as usize);
-        origin.map_or_else(|| context.primitive(slot) as u32, |origin| origin.primitive)
+        origin.map_or_else(|| context.primitive(slot), |origin| origin.primitive)
     }
 
     /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]).
     pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
+        let layout = context.fragment_layout(outputs);
         let (count, is_shaded) = (1 << self.count_bits, is_needed(outputs));
         for row in 0..(self.rect.y1 - self.rect.y0 + 1) as usize {
             let first = row << self.stride_bits;
@@ -42,7 +43,7 @@ impl SampleMemory {
                     let own = pixel << self.count_bits..(pixel << self.count_bits) + count;
                     self.write_pixel(
                         context,
-                        (outputs, is_shaded),
+                        (layout, is_shaded),
                         pixel,
                         &self.fragment[own.clone()],
                         &self.depth[own],
@@ -57,7 +58,7 @@ impl SampleMemory {
     fn write_pixel(
         &self,
         context: &FrameContext,
-        (outputs, is_shaded): (&Outputs, bool),
+        (layout, is_shaded): (FragmentLayout, bool),
         pixel: usize,
         fragments: &[u32],
         depths: &[f32],
@@ -74,10 +75,10 @@ impl SampleMemory {
             // What is not shaded has no colour: what is in the list is of an earlier tile.
             let color = if is_shaded { self.list.colors[number as usize] } else { [0.0, 0.0, 0.0, 1.0] };
             let (primitive, place) = (self.primitive(context, slot), pixel as u16);
-            let head = FragmentHead { primitive, place, mask: mask as u16, color };
-            let normal = if outputs.normals { self.list.normals[number as usize] } else { [0.0; 3] };
+            let head = FragmentHead { primitive: primitive as u32, place, mask: mask as u16, color };
+            let normal = if layout.normals { self.list.normals[number as usize] } else { [0.0; 3] };
             let depths = (0..depths.len()).filter(|s| mask >> s & 1 == 1).map(|s| depths[s]);
-            write_fragment(outputs, &head, normal, || context.face(slot), depths, out);
+            write_fragment(layout, &head, primitive, normal, || context.face(slot), depths, out);
         }
     }
 
@@ -92,8 +93,9 @@ impl SampleMemory {
         }
         self.clear(context, tile);
         let outputs = &context.settings.outputs;
+        let layout = context.fragment_layout(outputs);
         let read = |part: usize, at: usize| {
-            let read = TileFragment::read(outputs, &of.parts[part][at..]);
+            let read = TileFragment::read(layout, &of.parts[part][at..]);
             read.ok_or(FragmentError::Short { tile, at })
         };
         // Layers follow, once it is known what is opaque: there may be many, so only their places are noted.
@@ -134,7 +136,7 @@ impl SampleMemory {
 
     /// Adds an opaque fragment.
     fn add(&mut self, outputs: &Outputs, fragment: &TileFragment) {
-        let FragmentHead { primitive, place, mask, color } = fragment.head;
+        let (primitive, FragmentHead { place, mask, color, .. }) = (fragment.primitive, fragment.head);
         let number = self.list.count as u32;
         let mut is_visible = false;
         for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
@@ -171,7 +173,7 @@ impl SampleMemory {
 
     /// Adds a fragment that is not opaque, at the samples where nothing opaque is in front of it.
     fn add_layer(&mut self, context: &FrameContext, fragment: &TileFragment) {
-        let FragmentHead { primitive, place, mask, color } = fragment.head;
+        let (primitive, FragmentHead { place, mask, color, .. }) = (fragment.primitive, fragment.head);
         let mut depths = [0.0; MAX_SAMPLES];
         let mut visible = 0;
         for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
@@ -181,9 +183,9 @@ impl SampleMemory {
             depths[if self.is_by_sample { 0 } else { sample }] = depth;
             let behind = match opaque {
                 NO_FRAGMENT => 0,
-                opaque => visibility_key(self.depth[index], self.origin_of(opaque).primitive),
+                opaque => wide_key(self.depth[index], self.origin_of(opaque).primitive),
             };
-            visible |= u32::from(visibility_key(depth, primitive) > behind) << sample;
+            visible |= u32::from(wide_key(depth, primitive) > behind) << sample;
         }
         if visible == 0 {
             return;

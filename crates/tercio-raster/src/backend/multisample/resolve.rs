@@ -12,7 +12,7 @@ use super::nearest::NearestOfRow;
 use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
-use crate::frame::{Outputs, Pixel, Planes, visibility_key};
+use crate::frame::{Outputs, Pixel, Planes, key_and_tie, wide_key};
 use crate::resolve::{color8, color16, mean, set_colors, weighted_mean};
 use crate::sampling::{MAX_SAMPLES, Tap};
 use crate::simd::{LANES, load_interleaved, splat};
@@ -329,9 +329,10 @@ impl Tile<'_> {
         pixels: &mut Planes,
     ) {
         let (count, outputs) = ((x1 - x0 + 1) as usize, self.outputs);
-        if outputs.keys && !self.steps.is_empty() {
-            for (x, key) in (x0..).zip(&mut pixels.keys[place..place + count]) {
-                *key = self.contributing(x, y).map(|(sample, _)| self.key(sample)).max().unwrap_or(0);
+        if (outputs.keys || outputs.ties) && !self.steps.is_empty() {
+            for (x, index) in (x0..).zip(place..place + count) {
+                let key = self.contributing(x, y).map(|(sample, _)| self.key(sample)).max().unwrap_or(0);
+                self.write_key(key, index, pixels);
             }
         }
         let mut nearest = NearestOfRow::default();
@@ -383,9 +384,15 @@ impl Tile<'_> {
         if outputs.normals {
             pixels.normals[index] = nearest.normal;
         }
-        if outputs.keys && self.steps.is_empty() {
-            pixels.keys[index] = self.key_of(nearest);
+        if (outputs.keys || outputs.ties) && self.steps.is_empty() {
+            self.write_key(self.key_of(nearest), index, pixels);
         }
+    }
+
+    fn write_key(&self, key: u128, index: usize, pixels: &mut Planes) {
+        let (key, tie) = key_and_tie(key, self.context.is_wide());
+        pixels.keys.get_mut(index).into_iter().for_each(|own| *own = key);
+        pixels.ties.get_mut(index).into_iter().for_each(|own| *own = tie);
     }
 
     /// What is nearest in a pixel. Keys compare depths first: primitives are looked up only where depths are the same.
@@ -419,7 +426,7 @@ impl Tile<'_> {
     }
 
     /// The visibility key of a sample; 0 where nothing was drawn.
-    fn key(&self, sample: usize) -> u64 {
+    fn key(&self, sample: usize) -> u128 {
         self.nearest(sample).map_or(0, |nearest| self.key_of(&nearest))
     }
 
@@ -429,15 +436,17 @@ impl Tile<'_> {
         origin.map_or_else(|| self.context.face(slot), |origin| origin.face)
     }
 
-    fn key_of(&self, nearest: &Nearest) -> u64 {
-        visibility_key(nearest.depth, self.memory.primitive(self.context, nearest.slot))
+    fn key_of(&self, nearest: &Nearest) -> u128 {
+        wide_key(nearest.depth, self.memory.primitive(self.context, nearest.slot))
     }
 
     /// A sample that was drawn, as a pixel.
     fn sample(&self, sample: usize, background: &Pixel) -> Pixel {
         let nearest = self.nearest(sample).unwrap_or_default();
+        let (keys, ties) = key_and_tie(self.key(sample), self.context.is_wide());
         let mut pixel = Pixel {
-            keys: self.key(sample),
+            keys,
+            ties,
             depth: self.context.view.distance(nearest.depth),
             ids: self.face(nearest.slot),
             normals: nearest.normal,
