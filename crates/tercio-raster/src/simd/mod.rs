@@ -280,18 +280,30 @@ pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32
 /// If an index is not in the table.
 #[inline(always)]
 pub fn lookup_fours<S: Simd>(simd: S, table: &[[u16; 4]], index: i32x16<S>) -> [i32x16<S>; 2] {
-    #[cfg(target_arch = "x86_64")]
-    if let Level::Avx512(token) = simd.level() {
-        let (first, second) = x86_64::lookup_fours_avx512(token, table, index.into());
-        return [first.simd_into(simd), second.simd_into(simd)];
-    }
-    let (mut pairs, index) = ([[0; 2]; LANES], index.to_array());
-    for lane in 0..LANES {
-        let [a, b, c, d] = table[index[lane] as usize].map(u32::from);
-        pairs[lane] = [(a | b << 16) as i32, (c | d << 16) as i32];
-    }
-    let (low, high) = pairs.as_flattened().split_at(LANES);
-    let (low, high) = (i32x16::from_slice(simd, low), i32x16::from_slice(simd, high));
+    let (low, high): (i32x16<S>, i32x16<S>) = match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => {
+            let (low, high) = x86_64::lookup_fours_avx512(token, table, index.into());
+            (low.simd_into(simd), high.simd_into(simd))
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => {
+            let (first, last) = index.split();
+            let (a, b) = x86_64::lookup_fours_avx2(token, table, first.into());
+            let (c, d) = x86_64::lookup_fours_avx2(token, table, last.into());
+            let (a, b): (i32x8<S>, i32x8<S>) = (a.simd_into(simd), b.simd_into(simd));
+            let (c, d): (i32x8<S>, i32x8<S>) = (c.simd_into(simd), d.simd_into(simd));
+            (a.combine(b), c.combine(d))
+        }
+        _ => {
+            let (mut found, index) = ([[0; 2]; LANES], index.to_array());
+            for lane in 0..LANES {
+                found[lane] = bytemuck::cast(table[index[lane] as usize]);
+            }
+            let (low, high) = found.as_flattened().split_at(LANES);
+            (i32x16::from_slice(simd, low), i32x16::from_slice(simd, high))
+        }
+    };
     [low.unzip_low(high), low.unzip_high(high)]
 }
 

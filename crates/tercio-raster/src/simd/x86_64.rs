@@ -135,7 +135,7 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// 16 entries of a table of four numbers each: the first two and the last two as 32 bits.
+    /// 16 entries of a table of four numbers each, one after the other.
     #[inline]
     pub fn lookup_fours_avx512(
         avx512: Avx512,
@@ -149,13 +149,31 @@ fearless_simd::kernel!(
         let inside = _mm512_cmplt_epu32_mask(index, _mm512_set1_epi32(length));
         assert!(inside == 0xffff, "an index is not in the table of {length}");
         let [low, high] = [_mm512_castsi512_si256(index), _mm512_extracti64x4_epi64::<1>(index)];
+        let first = table.as_ptr().cast();
         // SAFETY: all indices are in the table, whose entries have 8 bytes.
-        let (low, high) = unsafe {
-            let first = table.as_ptr().cast();
-            (_mm512_i32gather_epi64::<8>(low, first), _mm512_i32gather_epi64::<8>(high, first))
-        };
-        let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-        let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-        (_mm512_permutex2var_epi32(low, even, high), _mm512_permutex2var_epi32(low, odd, high))
+        unsafe { (_mm512_i32gather_epi64::<8>(low, first), _mm512_i32gather_epi64::<8>(high, first)) }
+    }
+);
+
+fearless_simd::kernel!(
+    /// 8 entries of a table of four numbers each, one after the other.
+    #[inline]
+    pub fn lookup_fours_avx2(
+        avx2: Avx2,
+        table: &[[u16; 4]],
+        index: std::arch::x86_64::__m256i,
+    ) -> (std::arch::x86_64::__m256i, std::arch::x86_64::__m256i) {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let length = i32::try_from(table.len()).unwrap_or(i32::MAX);
+        assert!(length > 0, "an empty table");
+        // As numbers without a sign, so that negative ones are too large.
+        let nearest_inside = _mm256_min_epu32(index, _mm256_set1_epi32(length - 1));
+        let inside = _mm256_movemask_epi8(_mm256_cmpeq_epi32(nearest_inside, index));
+        assert!(inside == -1, "an index is not in the table of {length}");
+        let [low, high] = [_mm256_castsi256_si128(index), _mm256_extracti128_si256::<1>(index)];
+        let first = table.as_ptr().cast();
+        // SAFETY: all indices are in the table, whose entries have 8 bytes.
+        unsafe { (_mm256_i32gather_epi64::<8>(first, low), _mm256_i32gather_epi64::<8>(first, high)) }
     }
 );
