@@ -207,7 +207,7 @@ fn ties_are_used_where_they_are_needed() {
     let (wide, ties) = planes(last + 1);
     for ((key, wide), tie) in keys.into_iter().zip(wide).zip(ties) {
         let number = u64::from(NO_PRIMITIVE - key as u32) + last + 1;
-        let expected = ((key >> 32 << 32) + (u64::MAX - number >> 32), (u64::MAX - number) as u32);
+        let expected = ((key >> 32 << 32) + ((u64::MAX - number) >> 32), (u64::MAX - number) as u32);
         assert_eq!((wide, tie), if key == 0 { (0, 0) } else { expected });
     }
 }

@@ -15,10 +15,8 @@ use tercio_raster::{Frame, Outputs};
 /// Bytes before the samples of a span.
 pub const SPAN_HEAD: usize = 6;
 
-/// Bytes of a key, which are the first samples of a span that has keys.
+/// Bytes of a key and of a tie, the first samples of a span that has keys and ties.
 const KEY: usize = size_of::<u64>();
-
-/// Bytes of a tie, which follow the keys of a span that has ties.
 const TIE: usize = size_of::<u32>();
 
 /// Why bytes are not a packet.
