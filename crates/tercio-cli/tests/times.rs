@@ -131,7 +131,7 @@ fn files_of_a_series_have_times_of_their_own() {
     // The bar of another model tells that one's name and time.
     let beside = |title: &str, output: &str| {
         let with = format!("--with step_b.vtk;color-by=p;range=0,9;bar=bottom;bar-title={title}");
-        place.run(&format!("render step_a.vtk {with} -o {output} {VIEW} --size 320x240")).ok_silently();
+        place.run(&format!("render step_a.vtk {with} -o {output} -q --size 320x240")).ok_silently();
     };
     beside("{name}-{time:.2f}", "filled.png");
     beside("step_b-0.25", "written.png");
