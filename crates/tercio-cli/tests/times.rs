@@ -114,6 +114,30 @@ fn files_of_a_series_have_times_of_their_own() {
     assert!(batch.stderr.contains("missing.vtk"), "{}", batch.stderr);
     assert!(place.read("b_step_a_0.1.png") == place.read("t0.1.png"));
     assert!(place.read("b_step_b_0.25.png") == place.read("t0.25.png"));
+    // Nor does a model without a time, unless all have none.
+    let titled = format!("--title {{time}} {VIEW}");
+    let batch =
+        place.run(&format!("render step_a.vtk a.vtk missing.vtk step_b.vtk -o some_{{name}}.png {titled}"));
+    assert_eq!(batch.code, Some(1), "{}", batch.stderr);
+    for part in ["a.vtk: {time} is", "missing.vtk"] {
+        assert!(batch.stderr.contains(part), "{}", batch.stderr);
+    }
+    for (name, time) in [("step_a", "0.1"), ("step_b", "0.25")] {
+        place.run(&format!("render {name}.vtk -o same.png --title {time} {VIEW}")).ok_silently();
+        assert!(place.read(&format!("some_{name}.png")) == place.read("same.png"), "{name}");
+    }
+    assert!(!place.path("some_a.png").exists());
+    place.run(&format!("render a.vtk b.vtk -o n_{{name}}.png {titled}")).failed(2, &["a.vtk: {time} is"]);
+    // The bar of another model tells that one's name and time.
+    let beside = |title: &str, output: &str| {
+        let with = format!("--with step_b.vtk;color-by=p;range=0,9;bar=bottom;bar-title={title}");
+        place.run(&format!("render step_a.vtk {with} -o {output} -q --size 320x240")).ok_silently();
+    };
+    beside("{name}-{time:.2f}", "filled.png");
+    beside("step_b-0.25", "written.png");
+    assert!(place.read("filled.png") == place.read("written.png"));
+    beside("step_a-0.10", "other.png");
+    assert!(place.read("filled.png") != place.read("other.png"));
     let none = ["TimeValue", "and it has none (a)"];
     place.run(&format!("render a.vtk -o n.png --title {{time}} {VIEW}")).failed(2, &none);
 }

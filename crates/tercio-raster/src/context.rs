@@ -6,7 +6,7 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 
-use crate::conventions::SUBPIXELS;
+use crate::conventions::{MAX_CLUSTERS, MAX_NUMBERS, SUBPIXELS};
 use crate::data::{DataTable, check_data};
 use crate::error::RenderError;
 use crate::frame::{FragmentLayout, NO_PRIMITIVE, Outputs};
@@ -20,12 +20,6 @@ use crate::view::{ObjectView, View};
 
 /// The slot of a sample where nothing was drawn.
 pub const NO_SLOT: u32 = u32::MAX;
-
-/// The largest number of clusters of all instances of a scene: slots number their triangles in 32 bits.
-pub const MAX_CLUSTERS: u64 = NO_SLOT as u64 / MAX_TRIANGLES as u64 - 1;
-
-/// The largest number of triangles and of input faces of all ranks together.
-pub const MAX_NUMBERS: u64 = i64::MAX as u64;
 
 /// The immutable state of a frame.
 pub struct FrameContext<'a> {

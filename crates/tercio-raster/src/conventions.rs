@@ -88,6 +88,13 @@ pub const SMALL_EXTENT: i32 = 1 << 15;
 /// vertices fit into 16 bits.
 pub const SMALL_CLUSTER: i32 = (1 << 16) - SUBPIXELS;
 
+/// The largest number of clusters of all instances of a scene: slots number their triangles in 32 bits, the largest of which
+/// stands for none.
+pub const MAX_CLUSTERS: u64 = u32::MAX as u64 / tercio_mesh::cluster::MAX_TRIANGLES as u64 - 1;
+
+/// The largest number of triangles and of input faces of all ranks together.
+pub const MAX_NUMBERS: u64 = i64::MAX as u64;
+
 /// Most points at which a texture is sampled for a pixel that covers a long stretch of it.
 pub const MAX_ANISOTROPY: u32 = 16;
 

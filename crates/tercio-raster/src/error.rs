@@ -21,15 +21,15 @@ pub enum RenderError {
     },
     /// More clusters than can be numbered.
     #[error(
-        "the scene has {clusters} clusters here, at most {} can be numbered: let more ranks have parts of it (--parts)",
-        crate::context::MAX_CLUSTERS
+        "the scene has {clusters} clusters, at most {} can be numbered: let more ranks have parts of it",
+        crate::conventions::MAX_CLUSTERS
     )]
     TooLarge {
         /// Clusters of all instances.
         clusters: u64,
     },
     /// More triangles or input faces than can be numbered.
-    #[error("the scene has {count} {what}, at most {} can be numbered", crate::context::MAX_NUMBERS)]
+    #[error("the scene has {count} {what}, at most {} can be numbered", crate::conventions::MAX_NUMBERS)]
     TooMany {
         /// Triangles or faces.
         what: &'static str,

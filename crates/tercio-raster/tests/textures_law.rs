@@ -97,6 +97,14 @@ fn dressed(mesh: &Mesh, materials: Vec<Material>) -> Scene {
     scene
 }
 
+/// As many mipmaps as there may be, and one.
+fn with_extreme_sizes(mut scene: Scene) -> Scene {
+    scene.textures[0] = noise(1 << 15, 1, true, Encoding::Srgb, 1);
+    scene.textures[1] = noise(1, 1 << 15, true, Encoding::Srgb, 2);
+    scene.textures[3] = noise(1, 1, true, Encoding::Linear, 4);
+    scene
+}
+
 const FILTERS: [TextureFilter; 4] =
     [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Anisotropic];
 
@@ -113,6 +121,16 @@ fn every_kind_of_texture_and_every_shading() {
             let settings = Settings { shading, ..settings };
             check_all(&mesh, &scene, &camera(), &settings, &format!("{shading:?}"));
         }
+    }
+}
+
+#[test]
+fn textures_of_extreme_sizes() {
+    let mesh = Mesh { vertex_colors: None, ..textured(soup(1_500, 8), 5, 9) };
+    let scene = with_extreme_sizes(dressed(&mesh, materials()));
+    for texture_filter in FILTERS {
+        let settings = Settings { texture_filter, ..everything(60, 44) };
+        check_all(&mesh, &scene, &camera(), &settings, &format!("{texture_filter:?}"));
     }
 }
 

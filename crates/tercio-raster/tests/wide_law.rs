@@ -4,7 +4,8 @@ mod common;
 
 use common::{assert_same, draw, everything, perspective, scene, soup, with_threads};
 use tercio_mesh::Mesh;
-use tercio_raster::context::{FrameContext, MAX_NUMBERS, faces_of};
+use tercio_raster::context::{FrameContext, faces_of};
+use tercio_raster::conventions::MAX_NUMBERS;
 use tercio_raster::frame::{FragmentsOfTile, NO_PRIMITIVE, Pixel};
 use tercio_raster::{
     Filter, Frame, Outputs, Part, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings,

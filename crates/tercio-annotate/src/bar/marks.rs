@@ -168,9 +168,11 @@ impl ScalarBar {
 
     /// The borders of bands, with as many digits as it takes to know them to a hundredth of a band.
     fn of_borders(&self, borders: &[f64]) -> Vec<Tick> {
-        // The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there.
+        // The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there. Whole numbers are exact.
         let short = |&value: &f64| match value as f32 {
-            single if f64::from(single) == value => format!("{single:e}").parse().unwrap_or(value),
+            single if value.fract() != 0.0 && f64::from(single) == value => {
+                format!("{single:e}").parse().unwrap_or(value)
+            }
             _ => value,
         };
         let values = borders;

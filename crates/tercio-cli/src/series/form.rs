@@ -23,6 +23,8 @@ pub struct Form {
     /// So many characters at least: zeros before it.
     width: usize,
     digits: Digits,
+    /// `E` and `G`: letters are capitals.
+    is_upper: bool,
 }
 
 impl Form {
@@ -50,9 +52,7 @@ impl Form {
             text.parse().ok().filter(|&n: &usize| is_number && n <= MOST).ok_or_else(expected)
         };
         let (rest, kind) = match text.char_indices().last() {
-            Some((at, kind @ ('f' | 'F' | 'e' | 'E' | 'g' | 'G'))) => {
-                (&text[..at], Some(kind.to_ascii_lowercase()))
-            }
+            Some((at, kind @ ('f' | 'F' | 'e' | 'E' | 'g' | 'G'))) => (&text[..at], Some(kind)),
             _ => (text, None),
         };
         let (width, precision) = rest.split_once('.').map_or((rest, None), |(w, digits)| (w, Some(digits)));
@@ -60,7 +60,8 @@ impl Form {
             return Err(expected());
         }
         let precision = precision.map(number).transpose()?;
-        let digits = match (kind, precision) {
+        let is_upper = kind.is_some_and(|kind| kind.is_ascii_uppercase());
+        let digits = match (kind.map(|kind| kind.to_ascii_lowercase()), precision) {
             (None, None) => Digits::Shortest,
             // As in C and Python where there is no number.
             (Some('e'), digits) => Digits::Exponent(digits.unwrap_or(6)),
@@ -74,7 +75,7 @@ impl Form {
                 "a width begins with 0, as in {{{name}:0{text}}}: numbers are filled with zeros, not with spaces"
             ));
         }
-        Ok(Self { width, digits })
+        Ok(Self { width, digits, is_upper })
     }
 
     /// A number that counts.
@@ -91,6 +92,7 @@ impl Form {
             Digits::Exponent(digits) => exponential(time, digits),
             Digits::General(digits) => general(time, digits),
         };
+        let text = if self.is_upper { text.to_ascii_uppercase() } else { text };
         let (sign, number) = text.strip_prefix('-').map_or(("", &*text), |number| ("-", number));
         let width = self.width.saturating_sub(sign.len());
         // Infinity and NaN have no digits.
@@ -126,14 +128,14 @@ fn general(number: f64, digits: usize) -> String {
 mod tests {
     use super::*;
 
-    /// The expected texts are those of Python's format.
+    /// The expected texts are those of Python's format, but for the last ones.
     #[test]
     fn times_are_written_as_python_writes_them() {
         for (form, time, expected) in [
             ("05.1f", 2.25, "002.2"),
             ("05.1F", -2.25, "-02.2"),
             (".1e", 0.25, "2.5e-01"),
-            (".1E", 12345.0, "1.2e+04"),
+            (".1E", 12345.0, "1.2E+04"),
             ("010.2e", -1.5e-120, "-1.50e-120"),
             ("e", 1.5, "1.500000e+00"),
             ("f", 1.5, "1.500000"),
@@ -144,9 +146,9 @@ mod tests {
             (".3g", 100.0, "100"),
             (".0g", 0.0, "0"),
             ("08.3g", 0.5, "000000.5"),
-            // Without a letter: digits after the point.
-            (".2", 0.1 + 0.2, "0.30"),
             ("06", 2.5, "0002.5"),
+            // Not as Python writes them: digits without a letter are those after the point, and what is no number has no zeros.
+            (".2", 0.1 + 0.2, "0.30"),
             ("05.1f", f64::NAN, "NaN"),
         ] {
             assert_eq!(

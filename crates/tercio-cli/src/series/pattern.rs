@@ -147,6 +147,9 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
     Ok(out)
 }
 
+/// Why there is nothing to fill in for `{time}`.
+pub const NO_TIME: &str = "{time} is the time of the model in its collection (.pvd; with {name} in the output's name, --time or --step choose one), or the number TimeValue or TIME in the field data of a VTK file, and it has none";
+
 fn unknown(name: &str) -> &'static str {
     match name {
         "view" => "{view} needs --view",
@@ -154,9 +157,7 @@ fn unknown(name: &str) -> &'static str {
             "{step} numbers a series of models, and here is one: give several, without {name} in the output's name, or a collection of times (.pvd)"
         }
         "name" => "{name} is the name of a model",
-        "time" => {
-            "{time} is the time of the model in its collection (.pvd; with {name} in the output's name, --time or --step choose one), or the number TimeValue or TIME in the field data of a VTK file, and it has none"
-        }
+        "time" => NO_TIME,
         _ => {
             "{frame} numbers a series of pictures, and of this model there is one: give --turntable, --camera-path or several --view; or several models, without {name} in the output's name"
         }

@@ -4,7 +4,7 @@
 //! A message has a section for each instance of the scene: the number of bytes of its clusters and the number of the sender's
 //! clusters that the receiver has (8 bytes each, little-endian; none if the sender's part is another one than in the last
 //! frame), for each of these a bit that says whether it is kept (in whole bytes, the lowest first), then the new clusters
-//! ([`tercio_mesh::cluster::write_clusters`]), with the numbers of their faces if ids are drawn.
+//! ([`tercio_mesh::cluster::write_clusters`]), with the numbers of their faces if these are drawn, as ids or as data.
 //!
 //! Clusters have numbers of 32 bits: those in the whole model, if no number in the scene needs more. Otherwise they keep those in the
 //! sender's part, the numbers of whose first triangle and first face in the whole model are sent, too (8 bytes each, after the two
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use tercio_mesh::cluster::{Assembly, TransferError, write_clusters};
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
-use tercio_scene::{Instance, Scene, Share};
+use tercio_scene::{DataSource, Instance, Scene, Share, SurfaceData};
 
 use super::held::{Held, Kept, Migration};
 use super::redistribute::tiles_of_owners;
@@ -49,6 +49,15 @@ pub fn exchange(
     exchanged
 }
 
+/// Are the numbers of faces drawn, as ids or as data?
+pub fn needs_faces(context: &FrameContext) -> bool {
+    let shows_faces = |instance: &Instance| {
+        let data = instance.data.as_deref();
+        matches!(data, Some(SurfaceData::Mapped { source: DataSource::Face, .. }))
+    };
+    context.settings.outputs.ids || context.scene.instances.iter().any(shows_faces)
+}
+
 /// [`exchange`] of what others have not.
 fn exchange_some(
     group: &mut Group<'_, impl Communicator>,
@@ -58,7 +67,7 @@ fn exchange_some(
     held: &mut Held,
     report: &mut RankReport,
 ) -> Result<Scene, ParallelError> {
-    let (scene, has_faces) = (context.scene, context.settings.outputs.ids);
+    let (scene, has_faces) = (context.scene, needs_faces(context));
     let shares = shares_of(scene)?;
     let (own, count) = (group.rank(), group.size());
     let rank = group.outer_rank(own);
@@ -214,7 +223,7 @@ fn write(
     clusters: &[u32],
     out: &mut Vec<u8>,
 ) -> Result<[u64; 2], TransferError> {
-    let (has_faces, is_wide) = (context.settings.outputs.ids, context.is_wide());
+    let (has_faces, is_wide) = (needs_faces(context), context.is_wide());
     let (mut rest, mut counts) = (clusters, [0, 0]);
     for (number, (instance, share)) in context.scene.instances.iter().zip(shares).enumerate() {
         let count = rest.partition_point(|&cluster| context.locate(cluster).0 <= number);

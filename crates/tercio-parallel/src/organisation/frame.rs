@@ -75,7 +75,7 @@ fn draw_steps(
     let gathered;
     let (mut scene, mut counts) = (scene, None);
     if in_parts {
-        own.held.begin(&members, settings.outputs.ids, context.is_wide());
+        own.held.begin(&members, clusters::needs_faces(&context), context.is_wide());
     }
     if in_parts && members.len() > 1 {
         own.sort(&context, report);

@@ -56,7 +56,7 @@ pub enum PartsError {
     /// The model has more triangles or faces than can be numbered.
     #[error(
         "the parts have {triangles} triangles and {faces} faces together: at most {} of each can be numbered",
-        tercio_raster::context::MAX_NUMBERS
+        tercio_raster::conventions::MAX_NUMBERS
     )]
     TooLarge {
         /// Triangles of all parts.

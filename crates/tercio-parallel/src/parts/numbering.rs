@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, pod_read_unaligned};
 use tercio_mesh::cluster::Whole;
 use tercio_mesh::{Aabb, ClusteredMesh, checksum};
-use tercio_raster::context::{MAX_NUMBERS, faces_of};
+use tercio_raster::context::faces_of;
+use tercio_raster::conventions::MAX_NUMBERS;
 use tercio_scene::{Scene, Share};
 
 use super::PartsError;

@@ -15,7 +15,10 @@ use tercio_parallel::comm::{Communicator, threads};
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{Composition, Division, FrameReport, Organisation, ParallelError, Sharing, parts};
 use tercio_raster::{Frame, Outputs, Renderer, SamplePattern, Sampling, Settings, ShadowArea, ShadowMaps};
-use tercio_scene::{Camera, Framing, InstanceMaterials, Light, Material, Projection, Scene};
+use tercio_scene::{
+    Camera, ColorMap, DataColors, DataSource, Framing, InstanceMaterials, Light, Material, Projection, Scene,
+    SurfaceData,
+};
 
 use model::{camera, in_parts, model, split, split_evenly, twice, whole};
 
@@ -92,6 +95,23 @@ fn every_number_of_ranks() {
         let parts = split_evenly(&mesh, ranks);
         check(&mesh, &parts, twice, 2.6, &settings(ONE), sharings());
         check(&mesh, &parts, twice, 0.5, &settings(SamplePattern::Sparse4), sharings());
+    }
+}
+
+/// Numbers of faces as data, without the plane of ids.
+#[test]
+fn numbers_of_faces_as_data() {
+    let mesh = model("builtin:teapot@500", u8::MAX);
+    let map = ColorMap::named("turbo").expect("a known map");
+    let colors = Arc::new(DataColors::new("face", map, [0.0, 260.0]));
+    let dress = |scene: &mut Scene| {
+        let data = SurfaceData::Mapped { source: DataSource::Face, colors: Arc::clone(&colors) };
+        scene.instances[0].data = Some(Arc::new(data));
+    };
+    for (ranks, pattern) in [(2, ONE), (5, SamplePattern::Sparse4)] {
+        let outputs = Outputs { ids: false, ..Outputs::ALL };
+        let settings = Settings { outputs, ..settings(pattern) };
+        check(&mesh, &split_evenly(&mesh, ranks), dress, 2.0, &settings, sharings());
     }
 }
 

@@ -244,10 +244,10 @@ pub fn lookup_16<S: Simd>(simd: S, table: i32x16<S>, index: i32x16<S>) -> i32x16
         #[cfg(target_arch = "x86_64")]
         Level::Avx2(token) => {
             let ((low, high), (first, last)) = (table.split(), index.split());
-            let of = |index: i32x8<S>| -> i32x8<S> {
-                x86_64::lookup_16_avx2(token, low.into(), high.into(), index.into()).simd_into(simd)
-            };
-            of(first).combine(of(last))
+            let (low, high) = (low.into(), high.into());
+            let first: i32x8<S> = x86_64::lookup_16_avx2(token, low, high, first.into()).simd_into(simd);
+            let last: i32x8<S> = x86_64::lookup_16_avx2(token, low, high, last.into()).simd_into(simd);
+            first.combine(last)
         }
         _ => {
             let (table, index) = (table.to_array(), index.to_array());
@@ -298,7 +298,8 @@ pub fn lookup_fours<S: Simd>(simd: S, table: &[[u16; 4]], index: i32x16<S>) -> [
         _ => {
             let (mut found, index) = ([[0; 2]; LANES], index.to_array());
             for lane in 0..LANES {
-                found[lane] = bytemuck::cast(table[index[lane] as usize]);
+                let [a, b, c, d] = table[index[lane] as usize].map(u32::from);
+                found[lane] = [(a | b << 16) as i32, (c | d << 16) as i32];
             }
             let (low, high) = found.as_flattened().split_at(LANES);
             (i32x16::from_slice(simd, low), i32x16::from_slice(simd, high))
@@ -410,5 +411,49 @@ pub fn prefetch(lines: &[Line]) {
         }
         #[cfg(not(target_arch = "x86_64"))]
         let _ = line;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    use super::*;
+    use crate::dispatch;
+
+    /// The entries of a table with these numbers, or `None` after a panic.
+    fn looked_up(level: SimdLevel, table: &[[u16; 4]], index: [i32; LANES]) -> Option<Vec<[u16; 4]>> {
+        let found = catch_unwind(AssertUnwindSafe(|| {
+            dispatch!(level.level().unwrap(), simd => {
+                lookup_fours(simd, table, i32x16::load_array(simd, index)).map(|half| half.to_array())
+            })
+        }));
+        let [low, high] = found.ok()?;
+        let of = |lane: usize| {
+            let [low, high] = [low[lane] as u32, high[lane] as u32];
+            [low as u16, (low >> 16) as u16, high as u16, (high >> 16) as u16]
+        };
+        Some((0..LANES).map(of).collect())
+    }
+
+    #[test]
+    fn fours_are_those_of_the_table_and_no_others_are_read() {
+        let table: Vec<[u16; 4]> =
+            (0..1000_u16).map(|n| [n, n.wrapping_mul(77), 65535 - n, n.rotate_left(9)]).collect();
+        let index: [i32; LANES] = std::array::from_fn(|lane| (lane as i32 * 311 + 999) % 1000);
+        for level in SimdLevel::available() {
+            let expected: Vec<[u16; 4]> = index.iter().map(|&n| table[n as usize]).collect();
+            assert_eq!(looked_up(level, &table, index), Some(expected), "{level}");
+            assert_eq!(looked_up(level, &table[..1], [0; LANES]), Some(vec![table[0]; LANES]), "{level}");
+            for (table, wrong) in
+                [(&table[..], 1000), (&table, -1), (&table, i32::MIN), (&table, i32::MAX), (&[], 0)]
+            {
+                for lane in [0, 7, 8, LANES - 1] {
+                    let mut index = [0; LANES];
+                    index[lane] = wrong;
+                    assert_eq!(looked_up(level, table, index), None, "{level}, {wrong} in lane {lane}");
+                }
+            }
+        }
     }
 }

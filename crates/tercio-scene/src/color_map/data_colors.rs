@@ -124,10 +124,13 @@ impl DataColors {
             None if self.levels.is_empty() => Vec::new(),
             None => {
                 let [low, high] = self.range;
-                // A level at an end that is a number of a file: 0.3 is 0.300000012 in `f32`.
-                let single = |value: f64| (value - self.offset) as f32;
-                let is_end = |level: f64| single(level) == single(low) || single(level) == single(high);
-                let is_within = |level: &f64| low < *level && *level < high && !is_end(*level);
+                // An end may be a number of a file: 0.3 is 0.300000012 in `f32`. A level of 0.3 is there, too.
+                let written = |end: f64| -> f64 {
+                    let single = (end - self.offset) as f32;
+                    format!("{single:e}").parse().map_or(end, |shortest: f64| shortest + self.offset)
+                };
+                let ends = [written(low), written(high)];
+                let is_within = |level: &f64| low < *level && *level < high && !ends.contains(level);
                 let within = self.levels.iter().copied().filter(is_within);
                 let mut all: Vec<f64> = [low, high].into_iter().chain(within).collect();
                 all.sort_by(f64::total_cmp);

@@ -129,6 +129,13 @@ fn levels_at_ends_are_printed_as_they_are_given() {
     assert_eq!(labels(&bar), ["0.10", "0.15", "0.20", "0.30"]);
     bar.colors.levels = vec![f64::from(0.2f32)];
     assert_eq!(labels(&bar), ["0.1", "0.2", "0.3"]);
+    // Whole numbers are those that they are, and a level between two of them separates them.
+    bar.colors.levels = vec![123_456_788.0];
+    bar.colors.range = [123_456_784.0, 123_456_792.0];
+    assert_eq!(labels(&bar), ["123456784", "123456788", "123456792"]);
+    bar.colors.levels = vec![16_777_217.0, 16_777_219.0];
+    bar.colors.range = [16_777_216.0, 16_777_220.0];
+    assert_eq!(labels(&bar), ["16777216", "16777217", "16777219", "16777220"]);
 }
 
 /// Marks between the numbers of a short logarithmic bar would merge: there are none, or only powers of ten.

@@ -1,13 +1,13 @@
 //! Many models with outputs of their own.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::thread;
 use std::time::Instant;
+use std::{fmt, fs};
 
 use anyhow::{Context, Result};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -44,7 +44,17 @@ impl Render {
         if self.ranks.trace().is_some() {
             return Err(UsageError("--trace records one model: name one".into()).into());
         }
-        let items = models.iter().map(|model| self.item(model)).collect::<Result<Vec<_>>>()?;
+        let (mut items, mut without_time) = (Vec::new(), Vec::new());
+        for model in models {
+            match self.item(model) {
+                Ok(item) => items.push(item),
+                Err(error) if error.is::<NoTime>() => without_time.push(error),
+                Err(error) => return Err(error),
+            }
+        }
+        if let (true, Some(error)) = (items.is_empty(), without_time.first()) {
+            return Err(UsageError(error.to_string()).into());
+        }
         let named = |files, item: &Item| item.render.named_files(&item.job, files);
         let mut files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
         files.check()?;
@@ -63,7 +73,8 @@ impl Render {
         let display = Display::new(self.running.progress_mode());
         pool.install(|| share_colors(&mut items, &display))?;
         display.pictures(items.len() as u64);
-        let failed = AtomicUsize::new(0);
+        without_time.iter().for_each(messages::error);
+        let failed = AtomicUsize::new(without_time.len());
         let draw = |item: &Item, threads: usize| {
             if let Err(error) = item.draw(threads) {
                 messages::error(&error);
@@ -80,7 +91,7 @@ impl Render {
         drop(display);
         let failed = failed.into_inner();
         if !self.running.quiet {
-            let (all, seconds) = (items.len(), start.elapsed().as_secs_f64());
+            let (all, seconds) = (models.len(), start.elapsed().as_secs_f64());
             let of_failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
             let drawn = counted((all - failed) as u64, "model");
             messages::note(&format!("{drawn} of {all} drawn{of_failed}, in {seconds:.1} s"));
@@ -92,6 +103,9 @@ impl Render {
         let own = self.origin.for_model(model)?;
         let options = own.as_ref().unwrap_or(self);
         let mut render = options.with_model(&options.at_chosen_time(model)?);
+        if render.shows_time() && render.model.time().is_none() {
+            return Err(NoTime(render.model.name()).into());
+        }
         let names = Names { name: Some(pattern::name_of(model)), ..Names::default() };
         render.writing = render.writing.named(&names, false).map_err(UsageError)?;
         Item::new(render)
@@ -138,18 +152,29 @@ impl Item {
     }
 }
 
+/// A model that has no time, which its output's name or a text is to show: others of the batch may have one.
+#[derive(Debug)]
+struct NoTime(String);
+
+impl fmt::Display for NoTime {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.0, pattern::NO_TIME)
+    }
+}
+
+impl std::error::Error for NoTime {}
+
 /// Gives models that are coloured alike one range, if that is asked for: they are read for that, one after the other.
 ///
 /// # Errors
 /// [`UsageError`]: one that can be read only once. What else is wrong with a model is reported when it is drawn.
 fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
     // The configuration may say something else of each model.
-    let mut shared: HashMap<String, Option<Survey>> = HashMap::new();
+    let mut shared: HashMap<String, (Option<Survey>, Unread)> = HashMap::new();
     let key = |item: &Item| format!("{:?}", item.render.data);
-    let mut unread = Unread::default();
     for item in &*items {
         let Some(over) = item.render.data.range_over_batch() else { continue };
-        let known = shared.entry(key(item)).or_default();
+        let (known, unread) = shared.entry(key(item)).or_default();
         if over == RangeOver::First && known.is_some() {
             continue;
         }
@@ -165,7 +190,7 @@ fn share_colors(items: &mut [Item], display: &Display) -> Result<()> {
         }
     }
     for item in items {
-        if let Some(Some(colors)) = shared.get(&key(item)) {
+        if let Some((Some(colors), _)) = shared.get(&key(item)) {
             item.render.data = item.render.data.of_series(colors);
         }
     }

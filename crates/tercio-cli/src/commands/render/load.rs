@@ -25,6 +25,7 @@ use crate::args::ranks::Drawers;
 use crate::args::textures::TextureLimits;
 use crate::output::{Plan, frame_bytes};
 use crate::progress::Display;
+use crate::series::pattern::{self, Names};
 use crate::{ending, memory};
 
 /// Do two scalar bars show the same?
@@ -126,7 +127,12 @@ impl Render {
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance, is_drawing);
             let shows_nan = || colors.has_unknown_category(&instance, data.as_ref());
-            if let Some(bar) = member.annotation.bar(&instance, shows_nan) {
+            if let Some(mut bar) = member.annotation.bar(&instance, shows_nan) {
+                if !std::ptr::eq(member, self) {
+                    // Those of the first model may change from picture to picture.
+                    let names = member.names_in(&Names::default());
+                    bar.title = pattern::expand_text(&bar.title, &names, false).unwrap_or(bar.title);
+                }
                 match bars.iter_mut().find(|other| is_same(other, &bar)) {
                     Some(other) => other.shows_nan |= bar.shows_nan,
                     None => bars.push(bar),

@@ -19,6 +19,7 @@ use super::strokes::Drawable;
 use super::subject::Subject;
 use crate::args::place::PlaceArgs;
 use crate::args::strokes::StrokeArgs;
+use crate::series::pattern::{self, Names};
 use crate::{look, report};
 
 /// A further place of a model.
@@ -136,6 +137,14 @@ impl Render {
     /// The models of the picture, each with its options.
     pub(super) fn members(&self) -> impl Iterator<Item = &Self> + Clone {
         std::iter::once(self).chain(&self.others)
+    }
+
+    /// What the placeholders in the texts of this model, one of several in a picture with these names, stand for.
+    pub(super) fn names_in(&self, picture: &Names) -> Names {
+        let is_shown = self.annotation.has_placeholder("time");
+        let time = || self.model.time().or_else(|| self.time_of_file(&self.model.model));
+        let name = Some(pattern::name_of(&self.model.model));
+        Names { name, time: is_shown.then(time).flatten(), ..picture.clone() }
     }
 
     /// How this model is placed once more: the model itself is 0, and its further places follow.

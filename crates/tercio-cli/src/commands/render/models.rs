@@ -113,9 +113,12 @@ impl Render {
 
     /// The time that a file of VTK has, if the name of an output or a text shows it.
     fn own_time(&self, model: &Path) -> Option<f64> {
-        let is_shown = self.writing.has_placeholder("time")
-            || self.members().any(|member| member.annotation.has_placeholder("time"));
-        if is_shown { self.time_of_file(model) } else { None }
+        if self.shows_time() { self.time_of_file(model) } else { None }
+    }
+
+    /// Whether the name of an output or a text shows the time of the model.
+    pub(super) fn shows_time(&self) -> bool {
+        self.writing.has_placeholder("time") || self.annotation.has_placeholder("time")
     }
 
     /// As [`time_of_file`], with the memory that there is.

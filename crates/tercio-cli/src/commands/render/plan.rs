@@ -209,7 +209,10 @@ impl Render {
         }
         let allow_empty = self.writing.allow_empty;
         let names: Vec<Names> = (0..count).map(names).collect();
-        let check = |names| self.members().try_for_each(|member| member.annotation.check_texts(names));
+        let check = |names: &Names| {
+            self.annotation.check_texts(names)?;
+            self.others.iter().try_for_each(|other| other.annotation.check_texts(&other.names_in(names)))
+        };
         names.iter().try_for_each(check)?;
         Ok(Writing { plan, pictures, names, film, files: Arc::default(), allow_empty, is_series })
     }

@@ -29,7 +29,7 @@ pub struct Keep {
 pub enum Size {
     /// At most 2 across and down.
     Tiny,
-    /// At most 4 across and down.
+    /// At most 4 across and down; also those of at most 2 that fill its last vector.
     Small,
     /// At most 8 across.
     Medium,
@@ -326,4 +326,46 @@ fn sides_of<S: Simd>(t: &ScreenTriangles<S>, lanes: u32) -> [u32; 2] {
         sides[1] |= u32::from(area < 0) << lane;
     }
     sides
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The last tiny triangles become small ones where these need no more vectors for them.
+    #[test]
+    fn rests_are_joined_where_that_saves_a_vector() {
+        for (tiny, small, joined) in [
+            (3, 13, true),
+            (3, 14, false),
+            (16, 1, true),
+            (3, 16, false),
+            (3, 0, false),
+            (20, 12, true),
+            (20, 29, false),
+        ] {
+            let mut sieve = Sieve::default();
+            let mut expected: Vec<u8> = (0..tiny + small).collect();
+            for number in 0..tiny + small {
+                let size = if number < tiny { Size::Tiny } else { Size::Small };
+                sieve.add_some(size, 1, &[number; LANES]);
+            }
+            sieve.join_rests();
+            let rest = if joined { tiny % LANES as u8 } else { 0 };
+            let of = |size: Size| -> Vec<u8> {
+                let vectors = sieve.of_size(size);
+                vectors.flat_map(|(numbers, lanes)| numbers[..lanes.count_ones() as usize].to_vec()).collect()
+            };
+            let (of_tiny, of_small) = (of(Size::Tiny), of(Size::Small));
+            assert_eq!(
+                [of_tiny.len(), of_small.len()],
+                [tiny - rest, small + rest].map(usize::from),
+                "{tiny}, {small}"
+            );
+            let mut all = [of_tiny, of_small].concat();
+            all.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(all, expected);
+        }
+    }
 }

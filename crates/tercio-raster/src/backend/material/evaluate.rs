@@ -1,7 +1,7 @@
 //! What the textures of materials make of them at 16 points.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_scene::{AlphaMode, Material, TextureMap};
 
 use super::texture::{Colors, TexturePoints, sample};
@@ -111,12 +111,11 @@ impl<S: Simd> Evaluated<S> {
             tangent: [zero; 3],
             uv_scale: [zero; 2],
         };
-        let numbers = pixels.corners.material.map(|number| number as i32);
-        let numbers = i32x16::load_array(simd, numbers);
+        let numbers = u32x16::load_array_ref(simd, &pixels.corners.material);
         let mut left = 0xffff_u32;
         while left != 0 {
             let number = pixels.corners.material[left.trailing_zeros() as usize % LANES];
-            let mask = numbers.simd_eq(splat_i(simd, number as i32));
+            let mask = numbers.simd_eq(number);
             let lanes = mask.to_bitmask() as u32 & 0xffff;
             left &= !lanes;
             let surface;
