@@ -211,7 +211,7 @@ fn models_of_a_sheet_or_a_batch_share_a_range() {
             assert!(read(&place, &format!("n_{name}.png")) == *expected, "{name} {over}");
         }
     }
-    // The first one that can be read is the first one, which is told.
+    // The range is that of the first one that can be read; a warning says so.
     let told = "the range is that of c.off, as bad.off cannot be read";
     for run in ["render bad.off c.off a.off -o m_{name}.png", "sheet bad.off c.off a.off -o first.png"] {
         let run = place.run(&format!("{run} {data} --range-over first --size 60x45"));

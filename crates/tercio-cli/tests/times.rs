@@ -91,7 +91,7 @@ fn files_of_a_series_have_times_of_their_own() {
         place.run(&format!("sheet {file} -o text.png --caption {time} --size 48x36 -q")).ok_silently();
         assert!(place.read("own.png") == place.read("text.png"), "{file}");
     }
-    // It is told, also where the field is behind the points.
+    // `info` prints it, also where the field is behind the points.
     let text = String::from_utf8(place.read("a.vtk")).unwrap();
     let field = "FIELD FieldData 1\nTIME 1 1 float\n1e9\nPOINT_DATA";
     std::fs::write(place.path("behind.vtk"), text.replace("POINT_DATA", field)).unwrap();

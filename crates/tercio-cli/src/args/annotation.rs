@@ -239,7 +239,7 @@ impl AnnotationArgs {
         let is_level = place.x == 0.5 && (place.y == 0.0 || place.y == 1.0);
         let is_upright = self.bar_orientation.map_or(!is_level, |given| given == Orientation::Vertical);
         // The name of an attribute has no placeholders.
-        let name = || colors.title.replace('{', "{{").replace('}', "}}");
+        let name = || pattern::literal(&colors.title);
         let title = self.bar_title.clone().unwrap_or_else(name);
         let title = match &self.bar_unit {
             Some(unit) => format!("{title} ({unit})"),

@@ -132,7 +132,7 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
                 };
                 match filled {
                     // The names of files may have braces, too.
-                    Some(filled) if !is_last => out.push_str(&filled.replace('{', "{{").replace('}', "}}")),
+                    Some(filled) if !is_last => out.push_str(&literal(&filled)),
                     Some(filled) => out.push_str(&filled),
                     None if is_last => {
                         let model = names.name.as_ref().filter(|_| name == "time");
@@ -145,6 +145,11 @@ pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, S
         }
     }
     Ok(out)
+}
+
+/// A text of which nothing is a placeholder: its braces are doubled.
+pub fn literal(text: &str) -> String {
+    text.replace('{', "{{").replace('}', "}}")
 }
 
 /// Why there is nothing to fill in for `{time}`.
