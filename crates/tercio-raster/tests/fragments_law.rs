@@ -164,10 +164,10 @@ fn fragment(of: (u16, u16, u8, u32), sampling: &Sampling) -> Vec<u8> {
     let head = FragmentHead { primitive: depth % 5, place, mask, color: [0.1, 0.2, 0.3, alpha] };
     // Also what is no depth: NaN, infinity, negative numbers.
     let depth = if kind < 128 { 0.5 + depth as f32 * 1e-10 } else { f32::from_bits(depth) };
-    let depths = (0..mask.count_ones()).map(|k| depth + k as f32 * 1e-3);
-    let mut bytes = Vec::new();
+    let depths = |sample: usize| depth + sample as f32 * 1e-3;
     let layout = FragmentLayout::new(&Outputs::ALL, false);
-    write_fragment(layout, &head, head.primitive.into(), [0.0, 0.0, 1.0], || 7, depths, &mut bytes);
+    let mut bytes = vec![0; layout.bytes(mask.count_ones() as usize)];
+    write_fragment(layout, &head, head.primitive.into(), || [0.0, 0.0, 1.0], || 7, depths, &mut bytes);
     bytes
 }
 

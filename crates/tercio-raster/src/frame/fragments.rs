@@ -126,31 +126,51 @@ impl FragmentLayout {
     }
 }
 
-/// Appends the bytes of a fragment, whose head has the lower half of the number of its primitive.
+/// Writes the bytes of a fragment, whose head has the lower half of the number of its primitive, to the beginning of `out`, and
+/// returns their number. `depths` are those of all samples of its pixel.
+///
+/// # Panics
+/// If `out` is too short.
+#[inline(always)]
 pub fn write_fragment(
     layout: FragmentLayout,
     head: &FragmentHead,
     primitive: u64,
-    normal: [f32; 3],
+    normal: impl FnOnce() -> [f32; 3],
     face: impl FnOnce() -> u32,
-    depths: impl Iterator<Item = f32>,
-    out: &mut Vec<u8>,
-) {
-    out.extend_from_slice(bytes_of(head));
+    depths: impl Fn(usize) -> f32,
+    out: &mut [u8],
+) -> usize {
+    let mut at = 0;
+    let mut put = |bytes: &[u8]| {
+        out[at..at + bytes.len()].copy_from_slice(bytes);
+        at += bytes.len();
+    };
+    put(bytes_of(head));
     if layout.wide {
-        out.extend_from_slice(&((primitive >> 32) as u32).to_ne_bytes());
+        put(&((primitive >> 32) as u32).to_ne_bytes());
     }
     if layout.normals {
-        out.extend_from_slice(bytes_of(&normal));
+        put(bytes_of(&normal()));
     }
     if layout.ids {
-        out.extend_from_slice(&face().to_ne_bytes());
+        put(&face().to_ne_bytes());
     }
-    depths.for_each(|depth| out.extend_from_slice(&depth.to_ne_bytes()));
+    samples_of(head.mask).for_each(|sample| put(&depths(sample).to_ne_bytes()));
+    at
+}
+
+/// The samples of a mask, in ascending order.
+#[inline(always)]
+fn samples_of(mask: u16) -> impl Iterator<Item = usize> {
+    let next = |left: u16| (left != 0).then_some(left);
+    std::iter::successors(next(mask), move |&left| next(left & (left - 1)))
+        .map(|left| left.trailing_zeros() as usize)
 }
 
 impl<'a> TileFragment<'a> {
     /// Reads the first fragment of some bytes, and returns the bytes behind it; `None` if they end inside it.
+    #[inline(always)]
     pub fn read(layout: FragmentLayout, bytes: &'a [u8]) -> Option<(Self, &'a [u8])> {
         let (head, mut rest) = bytes.split_at_checked(size_of::<FragmentHead>())?;
         let head: FragmentHead = pod_read_unaligned(head);
@@ -171,11 +191,11 @@ impl<'a> TileFragment<'a> {
         Some((Self { head, primitive, normal, face, depths }, rest))
     }
 
-    /// Its depth at a sample of its mask.
-    pub fn depth(&self, sample: usize) -> f32 {
-        let before = (u32::from(self.head.mask) & ((1 << sample) - 1)).count_ones() as usize;
-        let first = before * size_of::<f32>();
-        pod_read_unaligned(&self.depths[first..first + size_of::<f32>()])
+    /// The samples of its mask, and its depth at each.
+    #[inline(always)]
+    pub fn samples(&self) -> impl Iterator<Item = (usize, f32)> {
+        let depths = self.depths.as_chunks().0.iter().map(|&depth| f32::from_ne_bytes(depth));
+        samples_of(self.head.mask).zip(depths)
     }
 }
 
@@ -195,11 +215,12 @@ mod tests {
             let number = |head: &FragmentHead| u64::from(head.primitive) | high(head);
             let mut bytes = Vec::new();
             for head in &heads {
-                let depths = (0..head.mask.count_ones()).map(|k| k as f32 + 0.5);
-                let before = bytes.len();
-                let face = || head.primitive + 1;
-                write_fragment(layout, head, number(head), [1.0, 2.0, 3.0], face, depths, &mut bytes);
-                assert_eq!(bytes.len() - before, layout.bytes(head.mask.count_ones() as usize));
+                let depths = |sample: usize| sample as f32 + 0.5;
+                let mut out = [0; 128];
+                let (normal, face) = (|| [1.0, 2.0, 3.0], || head.primitive + 1);
+                let count = write_fragment(layout, head, number(head), normal, face, depths, &mut out);
+                assert_eq!(count, layout.bytes(head.mask.count_ones() as usize));
+                bytes.extend_from_slice(&out[..count]);
             }
             let mut rest = &bytes[..];
             for head in &heads {
@@ -208,9 +229,8 @@ mod tests {
                 assert_eq!(fragment.normal, if layout.normals { [1.0, 2.0, 3.0] } else { [0.0; 3] });
                 assert_eq!(fragment.face, if layout.ids { head.primitive + 1 } else { 0 });
                 let samples = (0..16).filter(|sample| head.mask >> sample & 1 == 1);
-                for (k, sample) in samples.enumerate() {
-                    assert_eq!(fragment.depth(sample), k as f32 + 0.5);
-                }
+                let expected: Vec<(usize, f32)> = samples.map(|k| (k, k as f32 + 0.5)).collect();
+                assert_eq!(fragment.samples().collect::<Vec<_>>(), expected);
                 rest = behind;
             }
             assert!(rest.is_empty());

@@ -296,9 +296,19 @@ impl Layers {
             let head =
                 FragmentHead { primitive: primitive as u32, place, mask, color: self.list.colors[number] };
             if mask != 0 {
-                let normal = self.list.normals.get(number).copied().unwrap_or_default();
-                let depths = self.samples(number).map(|(_, depth)| depth);
-                write_fragment(layout, &head, primitive, normal, || context.face(slot), depths, out);
+                let normal = || self.list.normals[number];
+                let begin = out.len();
+                out.resize(begin + layout.bytes(mask.count_ones() as usize), 0);
+                let face = || context.face(slot);
+                write_fragment(
+                    layout,
+                    &head,
+                    primitive,
+                    normal,
+                    face,
+                    |sample| self.depth(number, sample),
+                    &mut out[begin..],
+                );
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Fragments as bytes: those of a tile memory, and a tile memory from those of several ranks.
 
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
+
 use super::fragments::{Fragment, NO_FRAGMENT};
 use super::memory::SampleMemory;
 use super::shade::is_needed;
@@ -18,6 +20,70 @@ pub struct Origin {
     pub face: u32,
 }
 
+/// Writes the visible fragments of pixels.
+struct Visible<'a> {
+    context: &'a FrameContext<'a>,
+    layout: FragmentLayout,
+    /// What is not shaded has no colour: what is in the list is of an earlier tile.
+    is_shaded: bool,
+    /// The cluster of the last fragment, and the number of its instance's first primitive: neighbours are mostly of the same.
+    known: Option<(u32, u64, ClusterView<'a>)>,
+}
+
+impl Visible<'_> {
+    /// The number of the primitive in a slot.
+    #[inline(always)]
+    fn primitive(&mut self, slot: u32) -> u64 {
+        let (number, triangle) = (slot / MAX_TRIANGLES as u32, slot as usize % MAX_TRIANGLES);
+        let (first, cluster) = match &self.known {
+            Some((known, first, cluster)) if *known == number => (*first, *cluster),
+            _ => {
+                let (first, cluster) = self.context.primitives_of(number);
+                self.known = Some((number, first, cluster));
+                (first, cluster)
+            }
+        };
+        first + u64::from(cluster.primitive(triangle))
+    }
+
+    /// Writes the fragments of a pixel of N samples, and returns the number of bytes.
+    #[inline(always)]
+    fn write<const N: usize>(&mut self, memory: &SampleMemory, pixel: usize, out: &mut [u8]) -> usize {
+        let first = pixel * N;
+        let (Some(fragments), Some(depths)) =
+            (memory.fragment[first..].first_chunk::<N>(), memory.depth[first..].first_chunk::<N>())
+        else {
+            unreachable!("the pixel is in memory")
+        };
+        let (mut done, mut at) = (0_u32, 0);
+        for (sample, &number) in fragments.iter().enumerate() {
+            if number == NO_FRAGMENT || done >> sample & 1 == 1 {
+                continue;
+            }
+            let mask = (0..N).fold(0, |mask, s| mask | u32::from(fragments[s] == number) << s);
+            done |= mask;
+            let slot = memory.list.fragments[number as usize].slot;
+            let color =
+                if self.is_shaded { memory.list.colors[number as usize] } else { [0.0, 0.0, 0.0, 1.0] };
+            let primitive = self.primitive(slot);
+            let head =
+                FragmentHead { primitive: primitive as u32, place: pixel as u16, mask: mask as u16, color };
+            let normal = || memory.list.normals[number as usize];
+            let face = || self.context.face(slot);
+            at += write_fragment(
+                self.layout,
+                &head,
+                primitive,
+                normal,
+                face,
+                |sample| depths[sample % N],
+                &mut out[at..],
+            );
+        }
+        at
+    }
+}
+
 impl SampleMemory {
     /// Number of the primitive in a slot.
     pub fn primitive(&self, context: &FrameContext, slot: u32) -> u64 {
@@ -28,7 +94,9 @@ impl SampleMemory {
     /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]).
     pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
         let layout = context.fragment_layout(outputs);
-        let (count, is_shaded) = (1 << self.count_bits, is_needed(outputs));
+        let mut visible = Visible { context, layout, is_shaded: is_needed(outputs), known: None };
+        // Each sample may be a fragment of its own.
+        let most = LANES * (layout.bytes(1) << self.count_bits);
         for row in 0..(self.rect.y1 - self.rect.y0 + 1) as usize {
             let first = row << self.stride_bits;
             let pixels = first..first + (self.rect.x1 - self.rect.x0 + 1) as usize;
@@ -39,46 +107,19 @@ impl SampleMemory {
                 if self.fragment[samples].iter().fold(NO_FRAGMENT, |all, f| all & f) == NO_FRAGMENT {
                     continue;
                 }
+                let mut at = out.len();
+                out.resize(at + most, 0);
                 for pixel in some {
-                    let own = pixel << self.count_bits..(pixel << self.count_bits) + count;
-                    self.write_pixel(
-                        context,
-                        (layout, is_shaded),
-                        pixel,
-                        &self.fragment[own.clone()],
-                        &self.depth[own],
-                        out,
-                    );
+                    at += match self.count_bits {
+                        0 => visible.write::<1>(self, pixel, &mut out[at..]),
+                        1 => visible.write::<2>(self, pixel, &mut out[at..]),
+                        2 => visible.write::<4>(self, pixel, &mut out[at..]),
+                        3 => visible.write::<8>(self, pixel, &mut out[at..]),
+                        _ => visible.write::<16>(self, pixel, &mut out[at..]),
+                    };
                 }
+                out.truncate(at);
             }
-        }
-    }
-
-    #[inline(always)]
-    fn write_pixel(
-        &self,
-        context: &FrameContext,
-        (layout, is_shaded): (FragmentLayout, bool),
-        pixel: usize,
-        fragments: &[u32],
-        depths: &[f32],
-        out: &mut Vec<u8>,
-    ) {
-        let mut done = 0u32;
-        for (sample, &number) in fragments.iter().enumerate() {
-            if number == NO_FRAGMENT || done >> sample & 1 == 1 {
-                continue;
-            }
-            let mask: u32 = (0..fragments.len()).map(|s| u32::from(fragments[s] == number) << s).sum();
-            done |= mask;
-            let slot = self.list.fragments[number as usize].slot;
-            // What is not shaded has no colour: what is in the list is of an earlier tile.
-            let color = if is_shaded { self.list.colors[number as usize] } else { [0.0, 0.0, 0.0, 1.0] };
-            let (primitive, place) = (self.primitive(context, slot), pixel as u16);
-            let head = FragmentHead { primitive: primitive as u32, place, mask: mask as u16, color };
-            let normal = if layout.normals { self.list.normals[number as usize] } else { [0.0; 3] };
-            let depths = (0..depths.len()).filter(|s| mask >> s & 1 == 1).map(|s| depths[s]);
-            write_fragment(layout, &head, primitive, normal, || context.face(slot), depths, out);
         }
     }
 
@@ -135,13 +176,14 @@ impl SampleMemory {
     }
 
     /// Adds an opaque fragment.
+    #[inline(always)]
     fn add(&mut self, outputs: &Outputs, fragment: &TileFragment) {
         let (primitive, FragmentHead { place, mask, color, .. }) = (fragment.primitive, fragment.head);
         let number = self.list.count as u32;
         let mut is_visible = false;
-        for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
+        for (sample, new) in fragment.samples() {
             let index = (usize::from(place) << self.count_bits) + sample;
-            let (new, before, old) = (fragment.depth(sample), self.depth[index], self.fragment[index]);
+            let (before, old) = (self.depth[index], self.fragment[index]);
             let is_first = || old == NO_FRAGMENT || primitive < self.origin_of(old).primitive;
             if new > before || new == before && is_first() {
                 (self.depth[index], self.fragment[index]) = (new, number);
@@ -176,9 +218,9 @@ impl SampleMemory {
         let (primitive, FragmentHead { place, mask, color, .. }) = (fragment.primitive, fragment.head);
         let mut depths = [0.0; MAX_SAMPLES];
         let mut visible = 0;
-        for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
+        for (sample, depth) in fragment.samples() {
             let index = (usize::from(place) << self.count_bits) + sample;
-            let (depth, opaque) = (fragment.depth(sample), self.fragment[index]);
+            let opaque = self.fragment[index];
             // A fragment of one sample has one depth, whichever sample it is.
             depths[if self.is_by_sample { 0 } else { sample }] = depth;
             let behind = match opaque {

@@ -329,7 +329,13 @@ pub fn finish<S: Simd, T: Tally>(
     if context.settings.keep_fragments {
         tally.counts().pixels_visible += visible(simd, &scratch.memory);
         scratch.memory.write_bytes(context, outputs, &mut scratch.kept);
-        target.keep(std::mem::take(&mut scratch.kept));
+        if context.is_translucent() {
+            // There may be many layers: they are not copied.
+            target.keep(std::mem::take(&mut scratch.kept));
+        } else {
+            target.keep(scratch.kept.as_slice().into());
+            scratch.kept.clear();
+        }
         return;
     }
     tally.counts().pixels_visible += write(simd, context, scratch, target, pixels, outputs);
