@@ -140,6 +140,33 @@ fn pictures_are_those_of_smaller_numbers() {
     }
 }
 
+/// Layers of one depth, of which more than the memory holds: slices end between numbers.
+#[test]
+fn layers_of_one_depth_are_in_the_order_of_their_numbers() {
+    const LAYERS: u32 = 9;
+    let corners = [[-3.0, -3.0, 0.0], [3.0, -3.0, 0.0], [3.0, 3.0, 0.0], [-3.0, 3.0, 0.0]];
+    let triangles = (0..LAYERS).flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|c| 4 * k + c)));
+    let color = |k: u32| [(k * 83 % 256) as u8, (k * 47 % 256) as u8, (255 - k * 29 % 256) as u8, 60];
+    let mesh = Mesh {
+        positions: (0..LAYERS).flat_map(|_| corners).collect(),
+        triangles: triangles.collect(),
+        face_colors: Some((0..2 * LAYERS).map(|k| color(k / 2)).collect()),
+        ..Mesh::default()
+    };
+    let (plain, camera) = (scene(&mesh), perspective([0.0, 0.0, 2.0], [0.0; 3], 40.0));
+    for sampling in samplings() {
+        let settings = Settings { layer_memory: 1, ..settings(sampling) };
+        let narrow = unnumbered(draw(&plain, &camera, &settings));
+        for base in [LIMIT - u64::from(LAYERS), LIMIT, 7 * LIMIT - 3] {
+            let wide = numbered(plain.clone(), &[[base; 2]]);
+            let what = format!("{sampling:?}, from {base}");
+            let expected = reference::render(&[&mesh], &wide, &camera, &settings).expect("a picture");
+            assert_same(&narrow, &unnumbered(expected.clone()), &format!("{what}: the reference"));
+            assert_same(&expected, &draw(&wide, &camera, &settings), &what);
+        }
+    }
+}
+
 /// Lower numbers win, also where the lower halves of their bits are higher.
 #[test]
 fn the_lower_of_two_numbers_is_visible() {
