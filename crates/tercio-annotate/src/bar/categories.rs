@@ -12,7 +12,9 @@ impl ScalarBar {
         let mut entries: Vec<(&str, [f32; 4])> =
             self.colors.categories.iter().map(|c| (&*c.label, linear(c.color))).collect();
         if self.shows_nan {
-            entries.push((NO_DATA, linear(self.colors.nan)));
+            // Values that a map does not name are no categories.
+            let label = if self.colors.map.names_values() { OTHER } else { NO_DATA };
+            entries.push((label, linear(self.colors.nan)));
         }
         if !self.is_upright {
             let of_size = |shrink| self.level_list(layout, name, &entries, shrink);
@@ -139,6 +141,8 @@ impl ScalarBar {
     }
 }
 
+/// What is written beside the colour of what is no category.
+const OTHER: &str = "other";
 /// The most of a picture's height that lines of entries take, with their title.
 const LEVEL: f64 = 0.4;
 /// From the end of an entry to the next one in its line, in ems.
