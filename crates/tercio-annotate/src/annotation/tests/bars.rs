@@ -9,7 +9,7 @@ fn ends_of_logarithmic_bars_are_told() {
     let symmetric = Scale::SymmetricLog { threshold: 1.0 };
     for (range, scale, ends) in [
         ([0.00123, 7890.0], Scale::Log, ["0.00123", "7890"]),
-        ([3.14, 3.91], Scale::Log, ["3.14", "3.91"]),
+        ([3.12, 3.91], Scale::Log, ["3.12", "3.91"]),
         ([1e-9, 5e9], Scale::Log, ["10⁻⁹", "5×10⁹"]),
         ([1.0, 1000.0], Scale::Log, ["1", "1000"]),
         ([-345.0, 12.0], symmetric, ["−345", "12"]),
