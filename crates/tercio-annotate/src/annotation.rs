@@ -179,7 +179,7 @@ impl Annotation {
         let all: Vec<&Item> = items.iter().collect();
         let fixed = self.with(&all, width, height);
         if fixed.room.is_enough {
-            return fixed;
+            return self.in_order(&items, fixed, (width, height));
         }
         let (mut kept, mut left_out) = (Vec::new(), Vec::new());
         for item in &items {
@@ -193,6 +193,37 @@ impl Annotation {
         let mut fixed = self.with(&kept, width, height);
         left_out.iter().for_each(|what| fixed.layout.leave_out(what));
         fixed
+    }
+
+    /// A layout in which bars of one place, of which each next one is farther from the border, are read from left to right and from above
+    /// to below like those of the models: they find their room in the opposite order, if that has room for all.
+    fn in_order(&self, items: &[Item<'_>], fixed: Fixed, (width, height): (u32, u32)) -> Fixed {
+        let boxes = |fixed: &Fixed| -> Option<Vec<Rect>> {
+            let of_bar =
+                |n: usize| fixed.layout.placed.iter().find(|p| p.what == bar_name(n)).map(|p| p.rect);
+            (0..self.bars.len()).map(of_bar).collect()
+        };
+        let is_read = |boxes: &Vec<Rect>, is_in_order: bool| {
+            boxes.windows(2).all(|pair| {
+                let (first, second) = if is_in_order { (pair[0], pair[1]) } else { (pair[1], pair[0]) };
+                first[2] <= second[0] || first[3] <= second[1] && first[0] < second[2]
+            })
+        };
+        let have_one_place = self.bars.windows(2).all(|pair| pair[0].place == pair[1].place);
+        let is_reversed = boxes(&fixed).is_some_and(|boxes| !is_read(&boxes, true) && is_read(&boxes, false));
+        if !(have_one_place && is_reversed) {
+            return fixed;
+        }
+        let (bars, rest): (Vec<&Item>, Vec<&Item>) =
+            items.iter().partition(|item| matches!(item, Item::Bar(..)));
+        let captions = rest.iter().take(self.captions.len());
+        let others = rest.iter().skip(self.captions.len());
+        let turned: Vec<&Item> =
+            captions.copied().chain(bars.into_iter().rev()).chain(others.copied()).collect();
+        let turned = self.with(&turned, width, height);
+        let has_all = turned.room.is_enough && turned.layout.left_out.len() <= fixed.layout.left_out.len();
+        let is_better = has_all && boxes(&turned).is_some_and(|boxes| is_read(&boxes, true));
+        if is_better { turned } else { fixed }
     }
 
     /// The layout of some things alone.

@@ -139,10 +139,10 @@ impl ScalarBar {
             let beside = thickness + em * BESIDE;
             // Longer titles are turned.
             let width = (em * 7.0).max(beside + em * 4.0).min(room[0]);
-            let lines = TextBlock::fit(title, em, width, 2);
+            let lines = TextBlock::fit_with_unit(title, em, width, 2);
             let is_turned = lines.em < em || lines.lines.len() > 1 && title.len() > 24;
-            let mut title = (!title.is_empty()).then_some(lines);
-            let above = match &title {
+            let mut block = (!title.is_empty()).then_some(lines);
+            let above = match &block {
                 Some(title) if !is_turned => title.size[1] + em * 0.7,
                 _ => em * 0.4,
             };
@@ -159,10 +159,10 @@ impl ScalarBar {
                 labels = labels.max(Line::new(NO_DATA).width * em);
             }
             if is_turned {
-                let turned = TextBlock::fit(&self.title, em, length + ends, 1);
-                title = Some(turned);
+                let turned = TextBlock::fit_with_unit(title, em, length + ends, 1);
+                block = Some(turned);
             }
-            let title_width = match &title {
+            let title_width = match &block {
                 Some(_) if is_turned => em * 1.5,
                 Some(title) => (title.size[0] - beside - labels).max(0.0),
                 None => 0.0,
@@ -170,7 +170,7 @@ impl ScalarBar {
             let size = [whole(beside + labels + title_width), whole(above + below + ends + length)];
             return (size[0] <= room[0]).then_some(Parts {
                 em,
-                title,
+                title: block,
                 is_turned,
                 ticks,
                 length,
@@ -188,7 +188,7 @@ impl ScalarBar {
         let mut most = (length / (em * 3.0)).floor() as usize + 1;
         let mut ticks = loop {
             let mut ticks = self.ticks(most, most);
-            if self.has_own_values() {
+            if self.has_own_values() || self.marks_ends() {
                 ticks = self.with_room(ticks, length, em);
             }
             if self.have_room(&ticks, length, em) {
@@ -206,7 +206,7 @@ impl ScalarBar {
         let all = length + ends + nan + 2.0 * beyond;
         if all > room[0] {
             length -= (all - room[0]).ceil();
-            if self.has_own_values() {
+            if self.has_own_values() || self.marks_ends() {
                 ticks = self.with_room(ticks, length, em);
             }
             if length < em * 3.0 || !self.have_room(&ticks, length, em) {
@@ -214,7 +214,7 @@ impl ScalarBar {
             }
         }
         let ticks = self.without_merged(ticks, length, em);
-        let title = (!title.is_empty()).then(|| TextBlock::fit(title, em, room[0], 2));
+        let title = (!title.is_empty()).then(|| TextBlock::fit_with_unit(title, em, room[0], 2));
         let above = title.as_ref().map_or(0.0, |title| title.size[1] + em * 0.3);
         let width =
             (length + ends + nan + 2.0 * beyond).max(title.as_ref().map_or(0.0, |title| title.size[0]));

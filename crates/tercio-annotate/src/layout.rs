@@ -213,8 +213,10 @@ pub struct TextBlock {
     pub em: f64,
     /// Width and height of its box.
     pub size: [f64; 2],
-    /// Its end is left out.
+    /// Its end is left out, or what is before its unit.
     pub is_cut: bool,
+    /// It was cut off before its unit.
+    pub has_unit: bool,
     /// It had to be made so small that it is hard to read.
     pub is_tiny: bool,
 }
@@ -228,7 +230,7 @@ impl TextBlock {
     fn of(lines: Vec<Line>, em: f64) -> Self {
         let width = lines.iter().fold(0.0f64, |width, line| width.max(line.width * em)).ceil();
         let height = em * (ASCENT + DESCENT + LINE * (lines.len().max(1) - 1) as f64);
-        Self { lines, em, size: [width, height.ceil()], is_cut: false, is_tiny: false }
+        Self { lines, em, size: [width, height.ceil()], is_cut: false, has_unit: false, is_tiny: false }
     }
 
     /// A text in at most this width and this number of lines: broken between words, then smaller, then cut off with an ellipsis.
@@ -255,9 +257,29 @@ impl TextBlock {
         Self { is_cut, is_tiny: size < em && size < LEGIBLE, ..block }
     }
 
+    /// As [`TextBlock::fit`], but a unit in parentheses at the end stays: the words before it are cut off.
+    pub fn fit_with_unit(text: &str, em: f64, width: f64, most_lines: usize) -> Self {
+        let whole = Self::fit(text, em, width, most_lines);
+        let unit = text.rfind(" (").filter(|_| whole.is_cut && text.ends_with(')'));
+        let Some((name, unit)) = unit.map(|at| text.split_at(at)) else { return whole };
+        let characters: Vec<char> = name.chars().collect();
+        let with = |kept: usize| {
+            let name: String = characters[..kept].iter().collect();
+            Self::fit(&format!("{}…{unit}", name.trim_end()), em, width, most_lines)
+        };
+        // The longest beginning that fits: what is longer does not, either.
+        let (mut fits, mut too_many) = (0, characters.len());
+        while too_many - fits > 1 {
+            let middle = (fits + too_many) / 2;
+            if with(middle).is_cut { too_many = middle } else { fits = middle }
+        }
+        if fits == 0 { whole } else { Self { is_cut: true, has_unit: true, ..with(fits) } }
+    }
+
     /// What is missing of it, if it is called `what`.
     pub fn missing(&self, what: &str) -> Option<String> {
         match (self.is_cut, self.is_tiny) {
+            (true, _) if self.has_unit => Some(format!("a part of {what}")),
             (true, _) => Some(format!("the end of {what}")),
             (false, true) => Some(format!("legible letters of {what}")),
             (false, false) => None,

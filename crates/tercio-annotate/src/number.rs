@@ -137,7 +137,7 @@ pub(crate) fn without_zeros(text: &str) -> String {
 pub(crate) fn with_equal_digits(labels: &mut [String]) {
     let digits = |label: &str| mantissa_of(label).split_once('.').map_or(0, |(_, digits)| digits.len());
     for has_power in [false, true] {
-        let is_one = |label: &String| label.contains('×') == has_power && label != "0";
+        let is_one = |label: &String| label.contains('×') == has_power && label != "0" && !label.is_empty();
         let most = labels.iter().filter(|label| is_one(label)).map(|label| digits(label)).max().unwrap_or(0);
         for label in labels.iter_mut().filter(|label| is_one(label)) {
             let (own, end) = (digits(label), mantissa_of(label).len());

@@ -88,11 +88,11 @@ fn multiples(
     let is_inside = |v: &f64| is_within(*v, [low, high], true);
     let inside = (first..).map(number).skip_while(|v| *v < low && !is_inside(v)).take_while(is_inside);
     let values: Vec<f64> = inside.take(most + 1).map(|v| v + 0.0).collect();
-    (values.len() <= most).then(|| at_ends(labelled(values, exponent, format), [low, high]))
+    (values.len() <= most).then(|| at_ends(labelled(values, exponent, [low, high], format), [low, high]))
 }
 
 /// Both ends of a range, with as many digits as it takes to tell them apart.
-fn ends([low, high]: [f64; 2], format: NumberFormat) -> Vec<Tick> {
+pub(crate) fn ends([low, high]: [f64; 2], format: NumberFormat) -> Vec<Tick> {
     let digits = (3..=17).find(|&digits| {
         let distance =
             |v: f64| number::parse(&number::general(v, digits)).map_or(f64::INFINITY, |p| (p - v).abs());
@@ -105,11 +105,18 @@ fn ends([low, high]: [f64; 2], format: NumberFormat) -> Vec<Tick> {
     [low, high].map(|value| Tick { value, label: print(value) }).into()
 }
 
+/// Whether numbers of a range are so different that a mantissa of a few digits and a power of ten tell them apart: coordinates far from
+/// 0 are written out. It depends on the range alone, so that an axis and a bar write its numbers alike, however many they have.
+pub(crate) fn is_wide([low, high]: [f64; 2]) -> bool {
+    let exponent = exponent_of(low.abs().max(high.abs()));
+    exponent <= exponent_of(high * 0.5 - low * 0.5) + 2 || exponent >= 15
+}
+
 /// Numbers with their labels, all with the same power of ten and the same digits after the point.
-fn labelled(values: Vec<f64>, step_exponent: i32, format: NumberFormat) -> Vec<Tick> {
+fn labelled(values: Vec<f64>, step_exponent: i32, range: [f64; 2], format: NumberFormat) -> Vec<Tick> {
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let exponent = exponent_of(largest);
-    let needs_power = exponent >= 6 && step_exponent > 0 || exponent < -3;
+    let needs_power = exponent >= 6 && step_exponent > 0 && is_wide(range) || exponent < -3;
     let print = |value: f64| match format {
         NumberFormat::Auto if value == 0.0 => "0".to_owned(),
         NumberFormat::Auto if needs_power => {

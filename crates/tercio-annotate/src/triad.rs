@@ -159,8 +159,9 @@ fn em(layout: &Layout) -> f64 {
 
 /// The size of the box of the axes; `None` where they were most of the picture, so that the model would have no room.
 pub(crate) fn size(layout: &Layout) -> Option<[f64; 2]> {
-    let side = (em(layout) * HALF * 2.0).ceil();
-    (side <= layout.size[0].min(layout.size[1]) * MOST_TAKEN).then_some([side, side])
+    // Compared before it is rounded: a larger picture has them, too.
+    let side = em(layout) * HALF * 2.0;
+    (side < layout.size[0].min(layout.size[1]) * MOST_TAKEN - 1e-6).then_some([side.ceil(); 2])
 }
 
 /// Draws the axes in a box of that size.

@@ -16,14 +16,18 @@ use crate::memory;
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
-/// `error: ...`, with every cause that the text does not already contain.
+/// `error: ...`
 pub fn error(error: &Error) {
-    let text = error.chain().fold(String::new(), |text, cause| match words(cause) {
+    say(ERROR, "error", &text(error));
+}
+
+/// An error with every cause that the text does not already contain.
+pub fn text(error: &Error) -> String {
+    error.chain().fold(String::new(), |text, cause| match words(cause) {
         cause if text.is_empty() => cause,
         cause if text.ends_with(&cause) => text,
         cause => format!("{text}: {cause}"),
-    });
-    say(ERROR, "error", &text);
+    })
 }
 
 /// The text of a cause. The library does not know who set its limit; the message adds it.

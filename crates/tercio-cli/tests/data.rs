@@ -72,6 +72,83 @@ fn values_become_colors() {
     );
 }
 
+/// A colour map that names values is one of categories: what it does not name is no category, and is told.
+#[test]
+fn colors_that_name_values_are_those_of_categories() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let map = |annotations: &str| {
+        format!(
+            "[{{\"IndexedColors\":[1,0,0,0,1,0,0,0,1],\"Annotations\":[{annotations}],\"NanColor\":[1,1,0]}}]"
+        )
+    };
+    fs::write(place.path("all.json"), map("\"9\",\"skin\",\"7\",\"bone\"")).unwrap();
+    fs::write(place.path("one.json"), map("\"9\",\"skin\"")).unwrap();
+    let view = "--view front --orthographic --shading unlit --background #fff --size 400x300 --aa 1";
+    let has =
+        |picture: &[u8], color: [u8; 3]| picture.chunks_exact(3).filter(|pixel| *pixel == color).count();
+    let draw = |map: &str, more: &str| {
+        let run = place.run(&format!("render a.ply -o a.ppm --color-by part --colormap {map} {view} {more}"));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let picture = place.read("a.ppm");
+        (picture[picture.len() - 400 * 300 * 3..].to_vec(), run.stderr.clone())
+    };
+    let (all, told) = draw("all.json", "");
+    assert!(has(&all, [255, 0, 0]) > 1000 && has(&all, [0, 255, 0]) > 1000, "the colours of 9 and 7");
+    assert_eq!(has(&all, [255, 255, 0]), 0, "nothing is explained that is not there");
+    assert!(told.is_empty(), "{told}");
+    assert!(all == draw("all.json", "--categories").0);
+    let (one, told) = draw("one.json", "");
+    assert!(has(&one, [255, 0, 0]) > 1000 && has(&one, [255, 255, 0]) > 1000, "7 has the colour of NaN");
+    assert!(told.contains("one.json does not name"), "{told}");
+    let (_, told) = draw("all.json", "--range 7,9");
+    assert!(told.contains("labels are left out"), "{told}");
+    // The models of a sheet are alike.
+    place.run("sheet a.ply a.ply -o s.png --color-by part --colormap all.json --size 99x99 -q").ok_silently();
+}
+
+/// A colour of a map for what is no number is explained where something has it.
+#[test]
+fn the_color_of_no_number_is_explained_where_it_is() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let map = "[{\"RGBPoints\":[0,0,0,1,1,0,0,1],\"NanColor\":[1,1,0]}]";
+    fs::write(place.path("map.json"), map).unwrap();
+    let yellow = |options: &str| {
+        let view = "--view front --shading unlit --background #fff --size 400x300 --aa 1";
+        place.run(&format!("render a.ply -o a.ppm -q {view} {options}")).ok_silently();
+        let picture = place.read("a.ppm");
+        picture[picture.len() - 400 * 300 * 3..]
+            .chunks_exact(3)
+            .filter(|pixel| *pixel == [255, 255, 0])
+            .count()
+    };
+    assert_eq!(yellow("--color-by quality --colormap map.json"), 0);
+    let (with, without) =
+        (yellow("--color-by odd --colormap map.json"), yellow("--color-by odd --colormap map.json --no-bar"));
+    assert!(with > 0 && without > 0, "{with} {without}");
+    assert!(yellow("--color-by quality --nan-color #ffff00") > 50, "asked for");
+}
+
+/// The end of the data in `f32` is at the line of the number that it means; lines beyond are told.
+#[test]
+fn isolines_beside_the_data_are_told() {
+    let place = Place::new();
+    fs::write(
+        place.path("a.ply"),
+        MODEL.replace("2 0 0 4 1 1\n4 0 0 8", "2 0 0 4 1 1\n4 0 0 8.7").replace("4 2 0 8 ", "4 2 0 8.7 "),
+    )
+    .unwrap();
+    let run = |line: &str| {
+        let text = format!("render a.ply -o a.png --color-by quality --isolines={line}, --size 64x48");
+        place.run(&text).stderr
+    };
+    assert_eq!(run("8.7"), "");
+    assert_eq!(run("0"), "");
+    let told = run("8.8");
+    assert!(told.contains("no isoline is drawn") && told.contains("0 to 8.7"), "{told}");
+}
+
 #[test]
 fn what_is_wrong_is_told_with_what_there_is() {
     let place = Place::new();
@@ -173,7 +250,7 @@ fn what_does_not_fit_the_data_is_told() {
     };
     for (options, parts) in [
         ("quality --range 100,200", &["no value is in the range 100 to 200: \"quality\" has 0 to 8"][..]),
-        ("quality --isolines 9,10", &["none of the isolines", "0 to 8"]),
+        ("quality --isolines 9,10", &["no isoline is drawn", "0 to 8"]),
         ("quality --log", &["at or below 0", "--symlog"]),
         ("quality --log --range 1,", &[]),
         ("quality --categories --colormap bwr", &[]),

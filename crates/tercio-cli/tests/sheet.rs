@@ -164,8 +164,11 @@ fn what_makes_no_sheet_is_refused_before_models_are_read() {
         ("none.off -o a.png --config none", &["--config"]),
         ("none.off -o x_{foo}.png", &["there is no {foo}", "{name}"]),
         ("none.off -o x_{frame}.png --turntable 3", &["one picture", "--caption"]),
-        ("none.off a.off -o x_{name}.png", &["a single model", "--caption"]),
+        ("none.off a.off -o x_{name}.png", &["in common", "--caption"]),
+        ("none.off -o x_{view}.png --view top,left", &["in common", "--caption"]),
         ("none.off -o x_{frame}.png", &["{frame}"]),
+        ("none.off a.off -o a.png --text {frame}", &["{frame}", "--turntable", "--caption"]),
+        ("none.off a.off -o a.png --caption {step}", &["{step}", ".pvd"]),
         ("none.off -o x_{time:5}.png", &["{time:05}"]),
         ("none.off scene.toml -o a.png", &["scene.toml: a scene file", "tercio render"]),
         ("none.off", &["--output"]),
@@ -242,8 +245,57 @@ fn the_name_of_a_sheet_has_the_placeholders_of_one_picture() {
         ("a.off -o one_{name}_{view}.png --view top", "one_a_top.png"),
         ("a.off -o turn_{name}.png --turntable 2", "turn_a.png"),
         ("a.off a.off -o x{{1}}.png", "x{1}.png"),
+        ("a.off a.off -o two_{name}_{view}.png --view top", "two_a_top.png"),
     ] {
         place.run(&format!("sheet {arguments} {CELL}")).ok_silently();
         assert!(place.names().contains(&name.into()), "{name}: {:?}", place.names());
     }
+}
+
+/// A model in VTK's format, with a time if there is one.
+fn timed(place: &Place, name: &str, time: Option<&str>) {
+    let time = time.map_or_else(String::new, |t| format!("FIELD FieldData 1\nTimeValue 1 1 double\n{t}\n"));
+    let text = format!(
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n{time}POINTS 3 float\n0 0 0\n1 0 0\n0 1 0\n\
+         POLYGONS 1 4\n3 0 1 2\n"
+    );
+    std::fs::write(place.path(name), text).unwrap();
+}
+
+#[test]
+fn a_model_without_the_time_that_is_told_has_a_place_that_says_so() {
+    let place = Place::new();
+    timed(&place, "a.vtk", Some("0.5"));
+    timed(&place, "b.vtk", None);
+    timed(&place, "c.vtk", Some("0.5"));
+    place.run(&format!("render a.vtk -o a.png --background #ffffff {CELL}")).ok_silently();
+    for (option, told) in [("--caption t={time}", "{time} is"), ("--text {time}", "{time} is")] {
+        let run = place.run(&format!("sheet a.vtk b.vtk c.vtk -o s.png {option} --size 60x45"));
+        assert_eq!(run.code, Some(1), "{}", run.stderr);
+        for part in ["error: b.vtk: ", told, "2 models of 3 drawn, 1 failed, 3 pictures"] {
+            assert!(run.stderr.contains(part), "{part:?} is not in {}", run.stderr);
+        }
+        let sheet = read(&place, "s.png");
+        if option.starts_with("--caption") {
+            assert_eq!(places(&sheet, &read(&place, "a.png")).len(), 2);
+        }
+    }
+    // If no model has one, that is a wrong option.
+    place.run("sheet b.vtk b.vtk -o s.png --caption {time}").failed(2, &["b.vtk", "{time} is"]);
+    // The name of the sheet has the time of all its models, if they have one.
+    place.run(&format!("sheet a.vtk c.vtk -o at_{{time}}.png {CELL}")).ok_silently();
+    assert!(place.names().contains(&"at_0.5.png".into()), "{:?}", place.names());
+    place.run("sheet a.vtk b.vtk -o at_{time}.png").failed(2, &["in common"]);
+}
+
+#[test]
+fn the_place_of_a_model_that_cannot_be_read_says_why_once() {
+    let place = place_with(&["a.off"]);
+    // Twice the words are more lines, and more dark pixels.
+    place.run("sheet a.off none.off -o s.png --size 300x200 --quiet");
+    let sheet = read(&place, "s.png");
+    let is_row = |y: usize| (sheet.0 / 2 + 20..sheet.0 - 40).any(|x| sheet.2[y * sheet.0 + x][1] < 210);
+    let rows: Vec<bool> = (60..180).map(is_row).collect();
+    let lines = rows.windows(2).filter(|pair| !pair[0] && pair[1]).count();
+    assert_eq!(lines, 2, "what happened, and why");
 }

@@ -8,6 +8,7 @@ use crate::bar::Marks;
 use crate::font::Line;
 use crate::layout::{Rect, overlap};
 
+mod bars;
 mod numbers;
 mod room;
 

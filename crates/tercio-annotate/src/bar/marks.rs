@@ -17,19 +17,13 @@ const ASIDE: f64 = 0.6;
 /// The least distance of marks without numbers, in ems and in pixels: closer ones merge into an area.
 const APART: (f64, f64) = (0.25, 3.0);
 
-/// Marks of which only every second, third ... has a label if there are more than `most`; both ends have one.
-fn thinned(mut ticks: Vec<Tick>, most: usize) -> Vec<Tick> {
-    let last = ticks.len() - 1;
+/// Which of so many marks have a label if at most `most` have one: every second, third ..., and both ends.
+fn thinned(count: usize, most: usize) -> impl Fn(usize) -> bool {
+    let last = count.saturating_sub(1);
     let least = last.div_ceil(most.max(2) - 1).max(1);
     // At even distances, unless that takes half of the labels away.
     let every = (least..2 * least).find(|every| last.is_multiple_of(*every)).unwrap_or(least);
-    for (number, tick) in ticks.iter_mut().enumerate() {
-        let is_labelled = number.is_multiple_of(every) && last - number >= every;
-        if !is_labelled && number < last {
-            tick.label.clear();
-        }
-    }
-    ticks
+    move |number| number == last || number.is_multiple_of(every) && last - number >= every
 }
 
 impl ScalarBar {
@@ -44,11 +38,11 @@ impl ScalarBar {
                 let as_given = |&value: &f64| Tick { value, label: self.exactly(value) };
                 return self.alike(asked.iter().map(as_given).collect());
             }
-            return thinned(self.of_borders(&asked), most.max(most_close));
+            return self.of_borders(&asked, most.max(most_close));
         }
         let borders = self.colors.boundaries();
         if !borders.is_empty() && borders.len() <= MOST_BORDERS {
-            return thinned(self.of_borders(&borders), most.max(most_close));
+            return self.of_borders(&borders, most.max(most_close));
         }
         let range = self.colors.range;
         let ticks = match self.colors.scale {
@@ -56,6 +50,7 @@ impl ScalarBar {
             Scale::Log => ticks::logarithmic(range, most, self.format),
             Scale::SymmetricLog { threshold } => ticks::symmetric(range, threshold, most, self.format),
         };
+        let ticks = if self.marks_ends() { self.with_ends(ticks) } else { ticks };
         // Formats with few digits may print several numbers alike.
         let mut last = None;
         let is_new = |tick: &Tick| {
@@ -67,6 +62,32 @@ impl ScalarBar {
     /// Whether the values of the marks are given, and not chosen.
     pub(super) fn has_own_values(&self) -> bool {
         matches!(self.marks, Marks::At(_))
+    }
+
+    /// Whether the ends of the range have numbers beside the round ones: on a scale that is not even they do not follow from others.
+    pub(super) fn marks_ends(&self) -> bool {
+        self.marks == Marks::Usual
+            && self.colors.scale != Scale::Linear
+            && self.colors.boundaries().is_empty()
+    }
+
+    /// Marks with those of the ends of the range.
+    fn with_ends(&self, mut ticks: Vec<Tick>) -> Vec<Tick> {
+        for mut end in ticks::ends(self.colors.range, self.format) {
+            if self.format == NumberFormat::Auto
+                && end.label.contains('×')
+                && ticks::is_power_of_ten(end.value)
+            {
+                end.label = number::power_of_ten(exponent_of(end.value));
+            }
+            match ticks.iter_mut().find(|tick| tick.value == end.value) {
+                Some(tick) if tick.label.is_empty() => *tick = end,
+                Some(_) => {}
+                None => ticks.push(end),
+            }
+        }
+        ticks.sort_by(|a, b| a.value.total_cmp(&b.value));
+        ticks
     }
 
     /// Half of what a number takes of the bar's length, with its distance from the next one.
@@ -115,6 +136,11 @@ impl ScalarBar {
         };
         let is_power = |tick: &Tick| ticks::is_power_of_ten(tick.value);
         let is_numbered = |tick: &Tick| !tick.label.is_empty();
+        if self.marks_ends() {
+            // The ends have numbers: what is close to one would merge with its mark, and not with others.
+            let at = |tick: &Tick| self.colors.position(tick.value) * length;
+            ticks.retain(|tick| is_numbered(tick) || (least..=length - least).contains(&at(tick)));
+        }
         if self.marks == Marks::Usual && is_close(&ticks) {
             ticks.retain(|tick| is_numbered(tick) || is_power(tick));
             if is_close(&ticks) {
@@ -166,8 +192,10 @@ impl ScalarBar {
         outside.into_iter().chain(is_thinned.then(|| format!("some numbers of {name}")))
     }
 
-    /// The borders of bands, with as many digits as it takes to know them to a hundredth of a band.
-    fn of_borders(&self, borders: &[f64]) -> Vec<Tick> {
+    /// The borders of bands, of which at most `most` have numbers, with as many digits as it takes to know them to a hundredth of the
+    /// distance of two numbers.
+    fn of_borders(&self, values: &[f64], most: usize) -> Vec<Tick> {
+        let has_number = thinned(values.len(), most);
         // The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there. Whole numbers are exact.
         let short = |&value: &f64| match value as f32 {
             single if value.fract() != 0.0 && f64::from(single) == value => {
@@ -175,13 +203,16 @@ impl ScalarBar {
             }
             _ => value,
         };
-        let values = borders;
-        let borders: Vec<f64> = borders.iter().map(short).collect();
+        let shown = values.iter().enumerate().filter(|(number, _)| has_number(*number));
+        let borders: Vec<f64> = shown.map(|(_, value)| short(value)).collect();
         let width = borders.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let largest = borders.iter().fold(0.0f64, |largest, border| largest.max(border.abs()));
         // A border that is almost 0 is 0 beside the others.
         let after_point = 2 - exponent_of(width);
-        let is_plain = (0..=9).contains(&after_point) && largest < 1e6;
+        let is_plain = match largest < 1e6 {
+            true => (0..=9).contains(&after_point),
+            false => after_point <= 9 && !ticks::is_wide(self.colors.range),
+        };
         let is_close = |digits: usize| {
             let read = |v: f64| number::parse(&number::general(v, digits)).unwrap_or(f64::NAN);
             borders.iter().all(|&v| (read(v) - v).abs() <= width * 0.01)
@@ -189,13 +220,16 @@ impl ScalarBar {
         let digits = (1..17).find(|&digits| is_close(digits)).unwrap_or(17);
         let print = |value| match self.format {
             NumberFormat::Auto if is_plain => {
-                number::without_zeros(&number::fixed(value, after_point as usize))
+                number::without_zeros(&number::fixed(value, after_point.max(0) as usize))
             }
             NumberFormat::Auto => number::general(value, digits),
             format => format.print(value),
         };
-        let tick = |(&value, &border): (&f64, &f64)| Tick { value, label: print(border) };
-        self.alike(values.iter().zip(&borders).map(tick).collect())
+        let tick = |(number, value): (usize, &f64)| {
+            let label = if has_number(number) { print(short(value)) } else { String::new() };
+            Tick { value: *value, label }
+        };
+        self.alike(values.iter().enumerate().map(tick).collect())
     }
 
     /// Marks of which all labels have the same digits after the point, unless a format says how many. On a logarithmic scale small

@@ -208,7 +208,7 @@ impl AnnotationArgs {
         Outputs { linear: self.is_behind(), ..Outputs::NONE }
     }
 
-    /// The scalar bar of a model, if it has one; it explains the colour of what is no number if that is asked for, or `shows_nan`.
+    /// The scalar bar of a model, if it has one; it explains the colour of what is no number if it `shows_nan`.
     pub fn bar(&self, model: &Instance, shows_nan: impl FnOnce() -> bool) -> Option<ScalarBar> {
         match model.data.as_deref() {
             Some(SurfaceData::Mapped { colors, .. }) if !self.no_bar => {
@@ -252,8 +252,7 @@ impl AnnotationArgs {
             marks: self.bar_ticks.clone().unwrap_or_default(),
             place,
             is_upright,
-            // Gray is not explained where nobody asked for it, and where all values are numbers as a rule.
-            shows_nan: shows_nan || colors.nan != DataColors::NAN,
+            shows_nan,
         }
     }
 }

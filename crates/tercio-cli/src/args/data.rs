@@ -27,14 +27,14 @@ use crate::output::UsageError;
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
     /// Colours the model, its lines and points by an attribute (tercio info lists them; of a vector, its magnitude),
-    /// NAME:COMPONENT (a number, x, y, z, or what the file calls it), NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// NAME:COMPONENT (a number, x, y, z, or what the file calls it), NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name (NAME@cell:COMPONENT, too) [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
     /// @component, @face; or by what every format has: @x, @y, @z (coordinates of the file), @color, @color:red (green, blue, alpha; 0 to 255),
     /// @texcoord:u (v), or the names that files have for them, such as x, nx, red, u.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
-    /// a file with a colour a line, or ParaView's JSON, or a list of values and colours: 0,black,0.5,red,1,white
-    /// [default: viridis; of categories Set1 or tab20].
+    /// a file with a colour a line, or ParaView's JSON (colours that it names values for are those of --categories), or a list of values
+    /// and colours: 0,black,0.5,red,1,white [default: viridis; of categories Set1 or tab20].
     #[arg(long, value_name = "NAME", aliases = ["cmap", "color-map", "colormap-file"], requires = "color_by")]
     colormap: Option<String>,
     /// Ends of the range: values, or percentiles such as 2%,98%; an empty one is that of the data [default: the least and the
@@ -90,9 +90,9 @@ pub struct DataArgs {
     /// Of the series that the model belongs to.
     #[arg(skip)]
     of_series: Option<Statistics>,
-    /// Whether a model of the series has what is no category.
+    /// Whether a model of the series has what is no number or no category.
     #[arg(skip)]
-    series_has_unknown_category: bool,
+    series_has_others: bool,
     /// Whether doubts were reported with an earlier model of the series.
     #[arg(skip)]
     are_doubts_known: bool,
@@ -115,8 +115,10 @@ pub struct Survey {
     statistics: Statistics,
     range: Option<[f64; 2]>,
     categories: Vec<(f64, String)>,
-    /// Whether something has none of them, as it is no number.
-    has_unknown_category: bool,
+    /// Whether they are categories because the colour map names values.
+    has_names: bool,
+    /// Whether something is no number, or has none of them.
+    has_others: bool,
 }
 
 impl Survey {
@@ -128,7 +130,8 @@ impl Survey {
             (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
             (a, b) => a.or(b),
         };
-        self.has_unknown_category |= other.has_unknown_category;
+        self.has_others |= other.has_others;
+        self.has_names |= other.has_names;
         self.categories.extend(other.categories);
         self.categories.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.categories.dedup_by(|a, b| a.0 == b.0);
@@ -310,17 +313,22 @@ impl DataArgs {
         map.map(Some).with_context(|| format!("{name} as a colour map"))
     }
 
-    fn changes_map(&self) -> bool {
-        self.colormap.is_some()
-            || self.range.is_some()
+    /// Whether an option is given that categories do not have.
+    fn needs_quantities(&self) -> bool {
+        self.range.is_some()
             || self.log
             || self.symlog.is_some()
             || self.bands.is_some()
             || self.isolines.is_some()
-            || self.nan_color.is_some()
             || self.below_color.is_some()
             || self.above_color.is_some()
             || self.opacity_map.is_some()
+    }
+
+    fn changes_map(&self) -> bool {
+        self.needs_quantities()
+            || self.colormap.is_some()
+            || self.nan_color.is_some()
             || self.categories.is_some()
     }
 
@@ -340,6 +348,8 @@ impl DataArgs {
         let map = self.map()?;
         // Those that the file of a map has.
         let special = map.as_ref().map(ColorMap::special).unwrap_or_default();
+        let has_names = map.as_ref().is_some_and(ColorMap::names_values) && !self.needs_quantities();
+        let labels = self.categories.as_ref().map(|labels| labels.0.clone());
         Ok(Some(DataOptions {
             map,
             range: self.range.unwrap_or_default(),
@@ -350,7 +360,7 @@ impl DataArgs {
             below: self.below_color.or(special.below),
             above: self.above_color.or(special.above),
             opacities: self.opacity_map.as_ref().map_or_else(Vec::new, |map| map.0.clone()),
-            categories: self.categories.as_ref().map(|labels| labels.0.clone()),
+            categories: labels.or_else(|| has_names.then(Vec::new)),
             up,
             ..DataOptions::new(by)
         }))
@@ -386,9 +396,10 @@ impl DataArgs {
                     let categories = colors.categories.iter();
                     survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
                 }
+                survey.has_names = self.categories.is_none() && options.categories.is_some();
                 let surface = data.surface.as_deref();
-                survey.has_unknown_category =
-                    self.categories.is_some() && has_nan(instance, surface, data.strokes.as_ref());
+                survey.has_others =
+                    self.looks_for_others(surface) && has_others(instance, surface, data.strokes.as_ref());
             }
             Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
             Err(error) => return Err(error.into()),
@@ -412,8 +423,8 @@ impl DataArgs {
     pub fn of_series(&self, survey: &Survey) -> Self {
         let mut own = self.clone();
         own.of_series = Some(survey.statistics);
-        own.series_has_unknown_category = survey.has_unknown_category;
-        if own.categories.is_some() {
+        own.series_has_others = survey.has_others;
+        if own.categories.is_some() || survey.has_names {
             own.categories = Some(Labels(survey.categories.clone()));
         }
         if let (Some(ends), Some(range)) = (&mut own.range, survey.range) {
@@ -463,16 +474,38 @@ impl DataArgs {
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
         let colors = data.colors().filter(|_| !self.are_doubts_known);
-        let notes = colors.map(|colors| doubts(&options, colors, &statistics)).unwrap_or_default();
+        let mut notes = colors.map(|colors| doubts(&options, colors, &statistics)).unwrap_or_default();
+        if let Some(colors) = colors.filter(|colors| colors.map.names_values()) {
+            let (by, map) = (&options.by, colors.map.name());
+            if colors.categories.is_empty() {
+                notes.push(format!(
+                    "{map} has the colours of categories, whose labels are left out: --range and other options of quantities are given"
+                ));
+            } else if has_others(instance, data.surface.as_deref(), data.strokes.as_ref()) {
+                notes.push(format!(
+                    "\"{by}\" has values that {map} does not name: they have the colour of what is not a number (--nan-color)"
+                ));
+            }
+        }
         instance.data = data.surface;
         Ok((data.strokes, notes))
     }
 
-    /// Whether the colours of an instance, or of its lines and points, are those of categories, and something has none of them: a list of
-    /// all colours names what that has, too. In a series, whether that is so of any model: the list of all pictures is the same.
-    pub fn has_unknown_category(&self, instance: &Instance, strokes: Option<&StrokeData>) -> bool {
-        let has_nan = || has_nan(instance, instance.data.as_deref(), strokes);
-        self.categories.is_some() && (self.series_has_unknown_category || has_nan())
+    /// Whether the bar of an instance, or of its lines and points, explains the colour of what is no number or no category: where that is
+    /// asked for, or something has it that is not gray as ever. In a series, whether that is so of any model: the bar of all pictures is
+    /// the same.
+    pub fn explains_others(&self, instance: &Instance, strokes: Option<&StrokeData>) -> bool {
+        let surface = instance.data.as_deref();
+        let has_others = || self.looks_for_others(surface) && has_others(instance, surface, strokes);
+        self.nan_color.is_some() || self.series_has_others || has_others()
+    }
+
+    /// Whether it is to be known that something is no number or no category: a list of all colours names what that has, too, and gray is
+    /// not explained where nobody chose it.
+    fn looks_for_others(&self, surface: Option<&SurfaceData>) -> bool {
+        let of_colors = |colors: &DataColors| colors.nan != DataColors::NAN || colors.map.names_values();
+        let is_special = matches!(surface, Some(SurfaceData::Mapped { colors, .. }) if of_colors(colors));
+        self.categories.is_some() || is_special
     }
 
     /// What the colours show, for reports.
@@ -503,15 +536,21 @@ impl DataArgs {
     }
 }
 
-/// Whether any of these values is no number.
-fn has_nan(instance: &Instance, surface: Option<&SurfaceData>, strokes: Option<&StrokeData>) -> bool {
+/// Whether any of these values is no number, or, if there are categories, none of them.
+fn has_others(instance: &Instance, surface: Option<&SurfaceData>, strokes: Option<&StrokeData>) -> bool {
     let mesh = &*instance.mesh;
+    let is_other = |colors: &DataColors, value: f32| {
+        // -0 is 0.
+        let full = colors.full(value + 0.0);
+        let is_known = || colors.categories.binary_search_by(|c| c.value.total_cmp(&full)).is_ok();
+        value.is_nan() || !(colors.categories.is_empty() || is_known())
+    };
     let on_surface = match surface {
-        Some(SurfaceData::Mapped { source, .. }) => {
-            let reader = DataReader::new(source, instance, 0.0);
+        Some(SurfaceData::Mapped { source, colors }) => {
+            let reader = DataReader::new(source, instance, colors.offset);
             let of_cluster = |cluster: usize| {
                 let mut found = false;
-                reader.each(mesh, cluster, |value| found |= value.is_nan());
+                reader.each(mesh, cluster, |value| found |= is_other(colors, value));
                 found
             };
             let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
@@ -520,7 +559,7 @@ fn has_nan(instance: &Instance, surface: Option<&SurfaceData>, strokes: Option<&
         _ => false,
     };
     let on_strokes = |strokes: &StrokeData| match strokes {
-        StrokeData::Mapped { values, .. } => values.iter().any(|value| value.is_nan()),
+        StrokeData::Mapped { values, colors } => values.iter().any(|value| is_other(colors, *value)),
         StrokeData::Direct(_) => false,
     };
     on_surface || strokes.is_some_and(on_strokes)
@@ -549,8 +588,11 @@ fn doubts(options: &DataOptions, colors: &DataColors, statistics: &Statistics) -
         all.push(format!("no value is in the range {} to {}: {has}", words(low), words(high)));
     }
     let mut lines = colors.isolines.iter().flat_map(|lines| &lines.values).peekable();
-    if !is_beside && lines.peek().is_some() && lines.all(|line| !(least..=most).contains(line)) {
-        all.push(format!("none of the isolines is at a value of the data: {has}"));
+    // An end that is a number of a file in f32 is at the line of the number that it means.
+    let is_end = |line: f64| [least, most].contains(&f64::from(line as f32));
+    let is_within = |line: f64| (least..=most).contains(&line) || is_end(line);
+    if !is_beside && lines.peek().is_some() && lines.all(|line| !is_within(*line)) {
+        all.push(format!("no isoline is drawn: none of their values is among those of the data, {has}"));
     }
     // Who names the lower end, or a colour below it, knows of them.
     let is_known = options.below.is_some() || matches!(options.range.low, RangeEnd::At(_));

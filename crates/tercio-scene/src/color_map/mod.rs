@@ -108,6 +108,11 @@ impl ColorMap {
         &self.annotations
     }
 
+    /// Whether it says for which values its colours are: values that it does not name have none of them.
+    pub fn names_values(&self) -> bool {
+        self.annotations.iter().any(|annotation| annotation.value.is_some())
+    }
+
     /// The number of colours between which it interpolates, or of categories.
     pub fn len(&self) -> usize {
         self.points.len()

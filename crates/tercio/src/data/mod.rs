@@ -397,7 +397,19 @@ impl DataOptions {
     fn category_colors(&self, labels: &[(f64, String)], values: &Values) -> Result<DataColors, DataError> {
         let offset = values.offset;
         let found = range::different(values, MOST_CATEGORIES);
+        // A map may say which of its colours are for which values: others have the colour of NaN.
+        let named = self.map.as_ref().filter(|map| map.names_values()).map(|map| {
+            let values = map.annotations().iter().filter_map(|annotation| annotation.value);
+            values.map(|value| (value - offset) as f32).collect::<Vec<f32>>()
+        });
+        let found = found.or_else(|| named.clone());
         let mut values = found.ok_or_else(|| DataError::TooManyCategories(self.by.clone()))?;
+        if let Some(named) = named {
+            values.retain(|value| named.contains(value));
+            if values.is_empty() && labels.is_empty() {
+                values = named;
+            }
+        }
         let labels: Vec<(f32, &String)> =
             labels.iter().map(|(of, label)| ((of - offset) as f32, label)).collect();
         values.extend(labels.iter().map(|(value, _)| *value));
@@ -407,8 +419,8 @@ impl DataOptions {
         values.dedup();
         let default = || known(if values.len() <= 9 { "Set1" } else { "tab20" });
         let map = self.map.clone().unwrap_or_else(default);
-        // A map may say which of its colours are for which values; the others follow in their order.
-        let mut others = map.annotations().len()..;
+        // Values that have labels here and no colour there have the colours behind those.
+        let mut others = if map.names_values() { map.annotations().len() } else { 0 }..;
         let is_for = |annotation: &Annotation, value: f32| {
             annotation.value.is_some_and(|of| (of - offset) as f32 + 0.0 == value)
         };

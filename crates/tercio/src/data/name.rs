@@ -32,7 +32,8 @@ const AXES: [&str; 4] = ["x", "y", "z", "w"];
 
 /// Does this name need normals?
 pub fn needs_normals(name: &str) -> bool {
-    let (name, _) = selected(name);
+    let usual = component_first(name);
+    let (name, _) = selected(usual.as_deref().unwrap_or(name));
     let name = own::meaning(name).unwrap_or(name);
     name == "@normal" || name.starts_with("@normal:")
 }
@@ -68,6 +69,14 @@ pub fn available(layout: &Layout) -> Vec<String> {
 /// The attributes that are the components of a vector: `NAME:0`, `NAME:1` and so on, or `NAME_x`, `NAME_y`, or `NAMEx`, `NAMEy`.
 fn vector(name: &str, layout: &Layout) -> Vec<usize> {
     vector_of(name, None, layout)
+}
+
+/// `NAME@point:COMPONENT` as `NAME:COMPONENT@point`, which means the same; `None` for other names.
+fn component_first(name: &str) -> Option<String> {
+    ["@point", "@cell"].into_iter().find_map(|place| {
+        let (array, component) = name.rsplit_once(':')?;
+        Some(format!("{}:{component}{place}", array.strip_suffix(place)?))
+    })
 }
 
 /// The name without `@point` or `@cell`, and what these select.
@@ -140,6 +149,9 @@ fn vector_of(name: &str, only: Option<AttributeDomain>, layout: &Layout) -> Vec<
 pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> {
     let is_whole =
         layout.attributes.iter().any(|(known, d)| known == name && !Attribute::is_polygon(known, *d));
+    if let Some(usual) = component_first(name).filter(|_| !is_whole) {
+        return find(&usual, layout, up);
+    }
     let (whole, (name, domain)) = (name, if is_whole { (name, None) } else { selected(name) });
     let attribute = |wanted: &str| {
         let at = |of: AttributeDomain| {

@@ -170,6 +170,7 @@ fn names_find_attributes_components_and_colors() {
     // What is made of the mesh is in one place.
     assert_eq!((find("@x@point"), find("@face@cell")), (find("@x"), find("@face")));
     assert_eq!((find("z@point"), find("@normal:z@point")), (find("z"), find("@normal:z")));
+    assert_eq!(find("@normal@point:z"), find("@normal:z"));
     for elsewhere in
         ["x@cell", "@x@cell", "@elevation@cell", "@normal@cell", "@face@point", "@component@cell"]
     {
@@ -198,7 +199,15 @@ fn components_have_the_names_of_the_file() {
     }
     let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
     let find = |name: &str| name::find(name, instance.mesh.layout(), DVec3::Z);
-    for (name, number) in [("s:sxx", 0), ("s:x", 0), ("s:z", 1), ("s:2", 2), ("s:sxx@point", 0)] {
+    for (name, number) in [
+        ("s:sxx", 0),
+        ("s:x", 0),
+        ("s:z", 1),
+        ("s:2", 2),
+        ("s:sxx@point", 0),
+        ("s@point:sxx", 0),
+        ("s@point:2", 2),
+    ] {
         assert_eq!(find(name), Ok(name::Found::Values(DataSource::Attribute(number))), "{name}");
     }
     let error = |name: &str| find(name).expect_err(name).to_string();
@@ -329,26 +338,32 @@ fn categories_are_the_values_that_there_are() {
     let labels: Vec<&str> = found.categories.iter().map(|c| &*c.label).collect();
     assert_eq!(labels, ["0", "bone", "3", "skin"]);
     assert_eq!(found.color(1.0), [55, 126, 184, 255], "the second colour of Set1");
-    // A map of ParaView says which colours are for which values; those that it does not name have the others.
+    // A map of ParaView says which colours are for which values; those that it does not name have the colour of NaN.
     let text = r#"{"IndexedColors": [1,0,0, 0,1,0, 0,0,1, 1,1,0], "Annotations": ["3","skin","1",""]}"#;
     options.map = Some(ColorMap::parse("m", text.as_bytes()).expect("a map"));
     options.categories = Some(vec![(7.0, "none".into())]);
     let found = colors(&options, &instance).expect("categories");
     let all: Vec<_> =
         found.categories.iter().map(|c| (c.value, &*c.label, [c.color[0], c.color[1], c.color[2]])).collect();
-    let expected = [
-        (0.0, "0", [0, 0, 255]),
-        (1.0, "1", [0, 255, 0]),
-        (3.0, "skin", [255, 0, 0]),
-        (7.0, "none", [255, 255, 0]),
-    ];
+    let expected = [(1.0, "1", [0, 255, 0]), (3.0, "skin", [255, 0, 0]), (7.0, "none", [0, 0, 255])];
     assert_eq!(all, expected);
+    assert_eq!(found.color(0.0), found.nan);
+    // If it names none of the values, all that it names are there to be told.
+    let text = r#"{"IndexedColors": [1,0,0, 0,1,0], "Annotations": ["30","skin","10","bone"]}"#;
+    options.map = Some(ColorMap::parse("m", text.as_bytes()).expect("a map"));
+    options.categories = Some(Vec::new());
+    let found = colors(&options, &instance).expect("categories");
+    assert_eq!(found.categories.iter().map(|c| &*c.label).collect::<Vec<_>>(), ["bone", "skin"]);
     let mesh = builtin::make("builtin:sphere@20k").expect("a model");
     let values = (0..mesh.positions.len()).map(|i| i as f32).collect();
     let many = Attribute { name: "many".into(), domain: V, values, offset: 0.0, component: None };
     let mesh = Mesh { attributes: vec![many], ..mesh };
     options.by = "many".into();
     let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
+    // A few of them may be named.
+    let found = colors(&options, &instance).expect("categories");
+    assert_eq!(found.categories.iter().map(|c| c.value).collect::<Vec<_>>(), [10.0, 30.0]);
+    options.map = None;
     assert!(matches!(colors(&options, &instance), Err(DataError::TooManyCategories(_))));
 }
 

@@ -144,7 +144,7 @@ fn marks_of_short_bars_do_not_merge() {
     for range in [[1e-5, 30.0], [1.0, 1e3], [1e-300, 1e300]] {
         let bar = bar(range, Scale::Log);
         for length in [30.0, 90.0, 200.0, 2000.0] {
-            let ticks = bar.without_merged(bar.ticks(5, 5), length, 11.0);
+            let ticks = bar.without_merged(bar.with_room(bar.ticks(5, 5), length, 11.0), length, 11.0);
             let at: Vec<f64> = ticks.iter().map(|tick| bar.colors.position(tick.value) * length).collect();
             assert!(
                 ticks.len() >= 2 && at.windows(2).all(|pair| pair[1] - pair[0] >= 2.9),

@@ -1,7 +1,7 @@
 //! `tercio sheet`: many small pictures in one, with their names below them.
 
-use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+mod cells;
+
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,15 +13,13 @@ use tercio::image::{Destination, JPEG_MAX_SIZE, Picture, PictureFormat, Pixels, 
 use tercio::raster::Frame;
 use tercio::scene::Scene;
 
+use self::cells::{Cells, Group, named};
 use super::Render;
 use super::alone::Artist;
 use super::batch::{Item, Unread, side_by_side};
 use super::steps::OfSeries;
-use crate::args::annotation::{shown, text};
+use crate::args::annotation::text;
 use crate::args::data::{RangeOver, Survey};
-use crate::args::ranks::Drawers;
-use crate::args::series::Motion;
-use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode};
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, name, write_picture};
@@ -39,8 +37,9 @@ Examples:
   tercio sheet scan.ply -o turn.jpg --turntable 12
   tercio sheet run.pvd -o steps.png --color-by pressure --title 'Pressure'
 
-The options of render for single pictures are understood: --size is that of one picture, and --title is that of the sheet. A model that cannot be
-drawn gets a place that says so. Exit code: 0 success, 1 error or a model that could not be drawn, 2 wrong usage.";
+The options of render for single pictures are understood: --size is that of one picture, and --title is that of the sheet, in whose
+name {name}, {view}, {time} and {step} stand for what all pictures have in common. A model that cannot be drawn gets a place that
+says so. Exit code: 0 success, 1 error or a model that could not be drawn, 2 wrong usage.";
 
 /// Draws many models, or many views of one, into one picture: a contact sheet.
 #[derive(Clone, Debug, Args)]
@@ -50,19 +49,10 @@ pub struct Sheet {
     /// Number of columns [default: so that the sheet is about as wide as a screen].
     #[arg(long, value_name = "N", help_heading = "Sheet", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     columns: Option<u32>,
-    /// What is written below each picture, with {name}, {view}, {frame}, {step} and {time}; nothing for an empty one [default:
-    /// what the pictures differ in].
+    /// What is written below each picture, with {name}, {view}, {frame}, {step} and {time}; nothing for an empty one. A model
+    /// without the time or the step that it says gets a place that tells that [default: what the pictures differ in].
     #[arg(long, value_name = "TEXT", help_heading = "Sheet", value_parser = text)]
     caption: Option<String>,
-}
-
-/// The pictures of one model: of its views, or of its times.
-struct Group {
-    /// The times, at least one.
-    steps: Vec<Item>,
-    /// The number of its first picture on the sheet.
-    first: usize,
-    captions: Vec<String>,
 }
 
 impl Sheet {
@@ -83,9 +73,8 @@ impl Sheet {
         self.output(&render).map_err(UsageError)?;
         let models = render.listed()?;
         models.iter().try_for_each(|model| ModelArgs::of(model).check_is_no_scene())?;
-        let groups = self.groups(&render, &models)?;
-        let count = groups.last().map_or(0, |group| group.first + group.captions.len());
-        render.writing = named(&render.writing, &models, &groups).map_err(UsageError)?;
+        let Cells { groups, lacking, count } = self.cells(&render, &models)?;
+        render.writing = named(&render.writing, &groups).map_err(UsageError)?;
         let (destination, format) = self.output(&render).map_err(UsageError)?;
         let paper = self.paper(&render, title.as_deref(), count, format).map_err(UsageError)?;
         let files = NamedFiles::default().writes("--output", &destination);
@@ -101,7 +90,8 @@ impl Sheet {
         let display = Display::new(render.running.progress_mode());
         let groups = pool.install(|| prepared(groups, &files, &display))?;
         display.pictures(count as u64);
-        let (paper, failed) = (Mutex::new(paper), AtomicUsize::new(0));
+        lacking.iter().for_each(|lacking| messages::error(&anyhow::anyhow!("{lacking}")));
+        let (paper, failed) = (Mutex::new(paper), AtomicUsize::new(lacking.len()));
         let draw = |group: &Group| {
             let cells = group.first..group.first + group.captions.len();
             if let Err(error) = group.draw(&paper, &display) {
@@ -119,11 +109,17 @@ impl Sheet {
         let workers = render.workers(&items, pool.current_num_threads());
         side_by_side(&small, workers, |group| draw(group))?;
         drop(display);
-        let (failed, all) = (failed.into_inner(), groups.len());
+        let (failed, all) = (failed.into_inner(), models.len());
         if failed == all {
             bail!("nothing was drawn, and {} was not written", name(&destination));
         }
         let mut paper = paper.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for lacking in &lacking {
+            for cell in lacking.cells.clone() {
+                paper.tell(cell, lacking.reason);
+                paper.caption(cell, &lacking.caption);
+            }
+        }
         for group in &groups {
             group.captions.iter().enumerate().for_each(|(n, text)| paper.caption(group.first + n, text));
         }
@@ -157,71 +153,6 @@ impl Sheet {
             Some((files, format)) if files.len() == 1 => Ok((files[0].clone(), format)),
             _ => Err("a sheet is one picture: --stereo pair makes two".into()),
         }
-    }
-
-    /// The models with what is drawn of each.
-    fn groups(&self, render: &Render, models: &[PathBuf]) -> Result<Vec<Group>> {
-        let motion = render.series.motion(&render.camera)?;
-        let shows_time = self.caption.as_ref().is_some_and(|text| pattern::has(Path::new(text), "time"));
-        let mut groups = Vec::new();
-        let mut first = 0;
-        for model in models {
-            let steps = match &motion {
-                Motion::Turntable(_) | Motion::Path(..) => vec![render.at_chosen_time(model)?],
-                _ => render.steps_of(model)?,
-            };
-            let of_step = |step: &ModelArgs| {
-                let time = if shows_time { render.time_of_file(model) } else { step.time };
-                let mut of_step = render.with_model(&ModelArgs { time, ..step.clone() });
-                of_step.writing = of_step.writing.of_cell(motion.is_series());
-                Item::new(of_step)
-            };
-            let steps: Vec<Item> = steps.iter().map(of_step).collect::<Result<_>>()?;
-            if matches!(steps[0].job.drawers, Drawers::Mpi(_)) {
-                return Err(UsageError("mpirun draws no sheet together: start one process".into()).into());
-            }
-            let mut captions = Vec::new();
-            for (number, Item { job, .. }) in steps.iter().enumerate() {
-                for names in &job.writing.names {
-                    let frame = Some(first + captions.len());
-                    let step = if steps.len() > 1 { Some(number) } else { names.step };
-                    let names = Names { frame, step, ..names.clone() };
-                    let text = self.caption_of(&names, models.len() > 1, steps.len() > 1, &job.motion);
-                    captions.push(shown(&text.map_err(UsageError)?));
-                }
-            }
-            let end = first + captions.len();
-            groups.push(Group { steps, first, captions });
-            first = end;
-        }
-        Ok(groups)
-    }
-
-    /// What is written below a picture.
-    fn caption_of(
-        &self,
-        names: &Names,
-        models: bool,
-        times: bool,
-        motion: &Motion,
-    ) -> Result<String, String> {
-        if let Some(text) = &self.caption {
-            return pattern::expand_text(text, names, true);
-        }
-        let view = match motion {
-            Motion::Views(_) => names.view.clone(),
-            Motion::Turntable(count) => {
-                let number = names.frame.unwrap_or(0) as u32 % count;
-                Some(format!("{}°", (f64::from(number) * 3600.0 / f64::from(*count)).round() / 10.0))
-            }
-            Motion::Path(..) => names.frame.map(|frame| frame.to_string()),
-            Motion::Still => None,
-        };
-        let time = names.time.filter(|_| times).map(|_| pattern::expand_text("t = {time}", names, true));
-        let time = time.transpose()?;
-        let is_alone = view.is_none() && time.is_none();
-        let name = names.name.clone().filter(|_| models || is_alone);
-        Ok([name, time, view].into_iter().flatten().collect::<Vec<_>>().join(", "))
     }
 
     fn paper(
@@ -259,25 +190,6 @@ impl Sheet {
     }
 }
 
-/// The outputs of a sheet, whose name is that of one picture: what its placeholders stand for is known if there is one model, or one
-/// picture on it.
-///
-/// # Errors
-/// One sentence, for a placeholder that is not known.
-fn named(writing: &WritingArgs, models: &[PathBuf], groups: &[Group]) -> Result<WritingArgs, String> {
-    if let [Group { steps, captions, .. }] = groups
-        && captions.len() == 1
-    {
-        let names = Names { frame: None, step: None, ..steps[0].job.writing.names[0].clone() };
-        return writing.named(&names, true);
-    }
-    let name = models.first().filter(|_| models.len() == 1).map(|model| pattern::name_of(model));
-    // Names have been checked: what goes wrong is that something is not known.
-    writing.named(&Names { name, ..Names::default() }, true).map_err(|_| {
-        "--output: a sheet is one picture, in whose name {name} stands for that of a single model: what its pictures differ in is said by --caption".into()
-    })
-}
-
 /// The title of a sheet, which is that of all pictures together.
 fn title_of_sheet(text: &str) -> Result<String, String> {
     let title = pattern::expand_text(text, &Names::default(), true);
@@ -289,8 +201,7 @@ fn title_of_sheet(text: &str) -> Result<String, String> {
 
 /// Why a model could not be drawn, without its name, which is below the picture.
 fn reason(render: &Render, error: &anyhow::Error) -> String {
-    let mut words = String::new();
-    let _ = write!(words, "{error:#}");
+    let words = messages::text(error);
     let model = format!("{}: ", render.model.name());
     words.strip_prefix(&model).map_or_else(|| words.clone(), str::to_owned)
 }

@@ -149,6 +149,10 @@ impl Header {
         for (k, (offset, scale)) in offset.iter().zip(&scale).enumerate() {
             // All points would be one, and may be too far away to be shown.
             let largest = scale * f64::from(i32::MAX);
+            if !largest.is_finite() {
+                let expected = format!("a scale of {} with which coordinates are finite", ["x", "y", "z"][k]);
+                return Err(malformed(131 + 8 * k, &expected, format!("{scale:e}")));
+            }
             let farthest = offset + largest;
             if farthest == *offset || !farthest.is_finite() || !(offset - largest).is_finite() {
                 let axis = ["x", "y", "z"][k];

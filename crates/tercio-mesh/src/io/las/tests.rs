@@ -210,7 +210,7 @@ fn wrong_descriptions_are_warned_of() {
     }
 }
 
-/// An offset beside which all points are one is an error, which names it.
+/// An offset beside which all points are one is an error, which names it; and so is a scale with which they are nowhere.
 #[test]
 fn offsets_that_are_too_large_are_refused() {
     let bytes = file(0, false, Vec::new(), &[vec![7], vec![9]]);
@@ -219,6 +219,7 @@ fn offsets_that_are_too_large_are_refused() {
         (-1e12, 1e-3, true),
         (1e308, 0.001, false),
         (-1e30, 0.001, false),
+        (1.7e308, 1e298, false),
         (0.0, 1e300, false),
         (1e308, 1e299, false),
     ] {
@@ -229,8 +230,9 @@ fn offsets_that_are_too_large_are_refused() {
             Ok(_) => assert!(is_good, "{offset} {scale}"),
             Err(error) => {
                 let error = error.to_string();
-                let expected = format!("found {offset:e}");
-                assert!(!is_good && error.contains("an offset of y") && error.contains(&expected), "{error}");
+                let (what, found) = if scale > 1e298 { ("a scale", scale) } else { ("an offset", offset) };
+                let [what, found] = [format!("{what} of y"), format!("found {found:e}")];
+                assert!(!is_good && error.contains(&what) && error.contains(&found), "{error}");
             }
         }
     }
