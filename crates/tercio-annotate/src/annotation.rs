@@ -179,7 +179,7 @@ impl Annotation {
         let all: Vec<&Item> = items.iter().collect();
         let fixed = self.with(&all, width, height);
         if fixed.room.is_enough {
-            return self.in_order(&items, fixed, (width, height));
+            return self.in_order(&all, fixed, (width, height));
         }
         let (mut kept, mut left_out) = (Vec::new(), Vec::new());
         for item in &items {
@@ -190,18 +190,21 @@ impl Annotation {
                 left_out.push(item.what());
             }
         }
-        let mut fixed = self.with(&kept, width, height);
+        let fixed = self.with(&kept, width, height);
+        let mut fixed = self.in_order(&kept, fixed, (width, height));
         left_out.iter().for_each(|what| fixed.layout.leave_out(what));
         fixed
     }
 
     /// A layout in which bars of one place, of which each next one is farther from the border, are read from left to right and from above
     /// to below like those of the models: they find their room in the opposite order, if that has room for all.
-    fn in_order(&self, items: &[Item<'_>], fixed: Fixed, (width, height): (u32, u32)) -> Fixed {
+    fn in_order(&self, items: &[&Item<'_>], fixed: Fixed, (width, height): (u32, u32)) -> Fixed {
         let boxes = |fixed: &Fixed| -> Option<Vec<Rect>> {
-            let of_bar =
-                |n: usize| fixed.layout.placed.iter().find(|p| p.what == bar_name(n)).map(|p| p.rect);
-            (0..self.bars.len()).map(of_bar).collect()
+            let bars = items.iter().filter_map(|item| match item {
+                Item::Bar(name, _) => Some(name),
+                _ => None,
+            });
+            bars.map(|name| fixed.layout.placed.iter().find(|p| p.what == *name).map(|p| p.rect)).collect()
         };
         let is_read = |boxes: &Vec<Rect>, is_in_order: bool| {
             boxes.windows(2).all(|pair| {
@@ -216,12 +219,12 @@ impl Annotation {
         }
         let (bars, rest): (Vec<&Item>, Vec<&Item>) =
             items.iter().partition(|item| matches!(item, Item::Bar(..)));
-        let captions = rest.iter().take(self.captions.len());
-        let others = rest.iter().skip(self.captions.len());
-        let turned: Vec<&Item> =
-            captions.copied().chain(bars.into_iter().rev()).chain(others.copied()).collect();
+        let (captions, others): (Vec<&Item>, Vec<&Item>) =
+            rest.into_iter().partition(|item| matches!(item, Item::Caption(_)));
+        let turned: Vec<&Item> = captions.into_iter().chain(bars.into_iter().rev()).chain(others).collect();
         let turned = self.with(&turned, width, height);
-        let has_all = turned.room.is_enough && turned.layout.left_out.len() <= fixed.layout.left_out.len();
+        let has_all = turned.room.is_enough == fixed.room.is_enough
+            && turned.layout.left_out.len() <= fixed.layout.left_out.len();
         let is_better = has_all && boxes(&turned).is_some_and(|boxes| is_read(&boxes, true));
         if is_better { turned } else { fixed }
     }

@@ -286,6 +286,9 @@ fn a_model_without_the_time_that_is_told_has_a_place_that_says_so() {
     place.run(&format!("sheet a.vtk c.vtk -o at_{{time}}.png {CELL}")).ok_silently();
     assert!(place.names().contains(&"at_0.5.png".into()), "{:?}", place.names());
     place.run("sheet a.vtk b.vtk -o at_{time}.png").failed(2, &["in common"]);
+    // Also if the place of one of them only tells that it has none.
+    place.run("sheet a.vtk b.vtk -o at_{time}.png --caption {time}").failed(2, &["in common"]);
+    place.run("sheet a.vtk b.vtk -o {name}.png --caption {time}").failed(2, &["in common"]);
 }
 
 #[test]

@@ -16,7 +16,8 @@ impl ScalarBar {
             let label = if self.colors.map.names_values() { OTHER } else { NO_DATA };
             entries.push((label, linear(self.colors.nan)));
         }
-        if !self.is_upright {
+        // At a side of the picture, lines would take the room of the model.
+        if !self.is_upright && self.place.y != 0.5 {
             let of_size = |shrink| self.level_list(layout, name, &entries, shrink);
             return [1.0, 0.85, SHRINK].into_iter().find_map(of_size);
         }

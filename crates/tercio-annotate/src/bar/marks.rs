@@ -218,7 +218,9 @@ impl ScalarBar {
             borders.iter().all(|&v| (read(v) - v).abs() <= width * 0.01)
         };
         let digits = (1..17).find(|&digits| is_close(digits)).unwrap_or(17);
+        let is_even = self.colors.scale == Scale::Linear;
         let print = |value| match self.format {
+            NumberFormat::Auto if !is_even => self.by_itself(value, &borders),
             NumberFormat::Auto if is_plain => {
                 number::without_zeros(&number::fixed(value, after_point.max(0) as usize))
             }
@@ -230,6 +232,28 @@ impl ScalarBar {
             Tick { value: *value, label }
         };
         self.alike(values.iter().enumerate().map(tick).collect())
+    }
+
+    /// A number on a scale that is not even, in as many digits as it takes to know it to 0.2 % and to tell it from its neighbours, which may be
+    /// far smaller or larger.
+    fn by_itself(&self, value: f64, borders: &[f64]) -> String {
+        // What is 0 but for rounding.
+        let value = match self.colors.scale {
+            Scale::SymmetricLog { threshold } if value.abs() < threshold * 1e-6 => 0.0,
+            _ => value,
+        };
+        let to_next = borders.iter().map(|other| (other - value).abs()).filter(|d| *d > value.abs() * 1e-12);
+        let least = to_next.fold(f64::INFINITY, f64::min) * 0.05;
+        let is_close = |digits: &usize| {
+            let read = number::parse(&number::general(value, *digits)).unwrap_or(f64::NAN);
+            (read - value).abs() <= least.min(value.abs() * 0.002)
+        };
+        let digits = (1..17).find(is_close).unwrap_or(17);
+        let (mantissa, exponent) = number::scientific(value, digits - 1);
+        match mantissa.as_str() {
+            "1" if !(-4..6).contains(&exponent) => number::power_of_ten(exponent),
+            _ => number::general(value, digits),
+        }
     }
 
     /// Marks of which all labels have the same digits after the point, unless a format says how many. On a logarithmic scale small

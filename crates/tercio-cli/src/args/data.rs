@@ -398,8 +398,8 @@ impl DataArgs {
                 }
                 survey.has_names = self.categories.is_none() && options.categories.is_some();
                 let surface = data.surface.as_deref();
-                survey.has_others =
-                    self.looks_for_others(surface) && has_others(instance, surface, data.strokes.as_ref());
+                survey.has_others = self.looks_for_others(surface)
+                    && has_others(instance, surface, data.strokes.as_ref(), true);
             }
             Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
             Err(error) => return Err(error.into()),
@@ -481,7 +481,7 @@ impl DataArgs {
                 notes.push(format!(
                     "{map} has the colours of categories, whose labels are left out: --range and other options of quantities are given"
                 ));
-            } else if has_others(instance, data.surface.as_deref(), data.strokes.as_ref()) {
+            } else if has_others(instance, data.surface.as_deref(), data.strokes.as_ref(), false) {
                 notes.push(format!(
                     "\"{by}\" has values that {map} does not name: they have the colour of what is not a number (--nan-color)"
                 ));
@@ -496,7 +496,7 @@ impl DataArgs {
     /// the same.
     pub fn explains_others(&self, instance: &Instance, strokes: Option<&StrokeData>) -> bool {
         let surface = instance.data.as_deref();
-        let has_others = || self.looks_for_others(surface) && has_others(instance, surface, strokes);
+        let has_others = || self.looks_for_others(surface) && has_others(instance, surface, strokes, true);
         self.nan_color.is_some() || self.series_has_others || has_others()
     }
 
@@ -536,14 +536,19 @@ impl DataArgs {
     }
 }
 
-/// Whether any of these values is no number, or, if there are categories, none of them.
-fn has_others(instance: &Instance, surface: Option<&SurfaceData>, strokes: Option<&StrokeData>) -> bool {
+/// Whether any of these values is, if there are categories, none of them, or, if those count, no number.
+fn has_others(
+    instance: &Instance,
+    surface: Option<&SurfaceData>,
+    strokes: Option<&StrokeData>,
+    counts_nan: bool,
+) -> bool {
     let mesh = &*instance.mesh;
     let is_other = |colors: &DataColors, value: f32| {
         // -0 is 0.
         let full = colors.full(value + 0.0);
         let is_known = || colors.categories.binary_search_by(|c| c.value.total_cmp(&full)).is_ok();
-        value.is_nan() || !(colors.categories.is_empty() || is_known())
+        if value.is_nan() { counts_nan } else { !(colors.categories.is_empty() || is_known()) }
     };
     let on_surface = match surface {
         Some(SurfaceData::Mapped { source, colors }) => {

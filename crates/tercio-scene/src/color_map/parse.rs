@@ -143,7 +143,6 @@ fn json(name: &str, text: &str) -> Result<ColorMap, ColorMapError> {
     if colors.is_some() {
         read.is_categorical = true;
         read.annotations = annotations(map)?;
-        read.annotations.truncate(points.len());
     }
     Ok(read)
 }

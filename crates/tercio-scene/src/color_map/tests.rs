@@ -113,8 +113,7 @@ fn maps_of_paraview_have_colors_of_what_is_not_in_the_range() {
 fn categorical_maps_of_paraview_are_lists_of_colors() {
     let parse = |text: &str| ColorMap::parse("mine", text.as_bytes());
     let colors = "\"IndexedColors\":[1,0,0,0,1,0,0,0,1]";
-    let named =
-        ",\"Annotations\":[\"4\",\"bone\",\"a\",\"text\",1.5,\"\",\"7\",\"too many\"],\"NanColor\":[1,1,0]";
+    let named = ",\"Annotations\":[\"4\",\"bone\",\"a\",\"text\",1.5,\"\",\"7\",\"the first again\"],\"NanColor\":[1,1,0]";
     let map = parse(&format!("[{{{colors}{named}}}]")).expect("a map");
     assert_eq!((map.len(), map.is_categorical()), (3, true));
     assert_eq!(
@@ -122,7 +121,9 @@ fn categorical_maps_of_paraview_are_lists_of_colors() {
         [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 0, 0]]
     );
     let annotations: Vec<_> = map.annotations().iter().map(|a| (a.value, &*a.label)).collect();
-    assert_eq!(annotations, [(Some(4.0), "bone"), (None, "text"), (Some(1.5), "")]);
+    // Beyond the last colour they begin again, as in ParaView.
+    let expected = [(Some(4.0), "bone"), (None, "text"), (Some(1.5), ""), (Some(7.0), "the first again")];
+    assert_eq!(annotations, expected);
     assert_eq!(map.special().nan, Some([255, 255, 0, 255]));
     // A map that has both says which counts.
     let both = |more: &str| {

@@ -32,6 +32,25 @@ fn ends_of_logarithmic_bars_are_told() {
     }
 }
 
+/// Borders of bands on scales that are not even: each has the digits that tell it, whatever the others have.
+#[test]
+fn borders_on_logarithmic_scales_are_told_each_by_itself() {
+    let symmetric = Scale::SymmetricLog { threshold: 0.01 };
+    for (range, scale, bands, expected) in [
+        ([0.00501, 501.19], Scale::Log, 2, "0.00501 1.585 501"),
+        ([1e-4, 1e4], Scale::Log, 2, "0.0001 1 10000"),
+        ([5.01e-9, 5012.0], Scale::Log, 3, "5.01×10⁻⁹ 5.01×10⁻⁵ 0.501 5010"),
+        ([1e-20, 1e20], Scale::Log, 8, "10⁻²⁰ 10⁻¹⁵ 10⁻¹⁰ 10⁻⁵ 1 100000 10¹⁰ 10¹⁵ 10²⁰"),
+        ([1000.0, 1010.0], Scale::Log, 2, "1000 1005 1010"),
+        ([-100.0, 100.0], symmetric, 2, "−100 0 100"),
+    ] {
+        let mut banded = bar(range, scale);
+        banded.colors.bands = Some(bands);
+        let labels: Vec<String> = banded.ticks(9, 9).into_iter().map(|tick| tick.label).collect();
+        assert_eq!(labels.join(" "), expected, "{range:?}, {bands} bands");
+    }
+}
+
 /// A mark beside that of an end is left out alone: marks elsewhere stay.
 #[test]
 fn marks_between_powers_stay_beside_ends() {
@@ -71,6 +90,19 @@ fn cut_titles_keep_their_units() {
     let titled = ScalarBar { title: format!("{} (kPa)", name.repeat(3)), ..bar([-1.0, 2.0], Scale::Linear) };
     let annotation = Annotation { bars: vec![titled], ..Annotation::default() };
     assert_eq!(annotation.fixed(640, 480).layout.left_out, ["a part of the title of bar"]);
+}
+
+/// Also where not all of them have room.
+#[test]
+fn bars_that_have_room_are_in_the_order_of_the_models() {
+    let bars =
+        (0..9).map(|number| ScalarBar { title: format!("{number}"), ..bar([0.0, 1.0], Scale::Linear) });
+    let annotation = Annotation { bars: bars.collect(), ..Annotation::default() };
+    let fixed = annotation.fixed(300, 200);
+    assert!(!fixed.layout.left_out.is_empty());
+    let left = |name: String| fixed.layout.placed.iter().find(|p| p.what == name).map(|p| p.rect[0]);
+    let placed: Vec<f64> = (0..9).filter_map(|number| left(bar_name(number))).collect();
+    assert!(placed.len() > 1 && placed.is_sorted(), "{placed:?}");
 }
 
 /// Bars of several models are in the order of these, at every border.

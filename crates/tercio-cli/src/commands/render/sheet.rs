@@ -73,8 +73,9 @@ impl Sheet {
         self.output(&render).map_err(UsageError)?;
         let models = render.listed()?;
         models.iter().try_for_each(|model| ModelArgs::of(model).check_is_no_scene())?;
-        let Cells { groups, lacking, count } = self.cells(&render, &models)?;
-        render.writing = named(&render.writing, &groups).map_err(UsageError)?;
+        let cells = self.cells(&render, &models)?;
+        render.writing = named(&render.writing, &cells).map_err(UsageError)?;
+        let Cells { groups, lacking, count } = cells;
         let (destination, format) = self.output(&render).map_err(UsageError)?;
         let paper = self.paper(&render, title.as_deref(), count, format).map_err(UsageError)?;
         let files = NamedFiles::default().writes("--output", &destination);

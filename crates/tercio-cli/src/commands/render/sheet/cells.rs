@@ -43,6 +43,8 @@ pub(super) struct Group {
 /// A model that does not have what captions or texts say of it: its places tell that, as those of a model that cannot be read.
 pub(super) struct Lacking {
     model: String,
+    /// What `{name}` stands for.
+    name: String,
     pub cells: Range<usize>,
     pub caption: String,
     pub reason: &'static str,
@@ -76,8 +78,8 @@ impl Sheet {
             if let Some(reason) = steps.iter().find_map(|step| self.lacks(render, step, &motion)) {
                 let cells = first..first + steps.len() * motion.count();
                 first = cells.end;
-                let (model, caption) = (steps[0].name(), shown(&pattern::name_of(model)));
-                lacking.push(Lacking { model, cells, caption, reason });
+                let (name, model) = (pattern::name_of(model), steps[0].name());
+                lacking.push(Lacking { model, caption: shown(&name), name, cells, reason });
                 continue;
             }
             let of_step = |step: &ModelArgs| {
@@ -134,7 +136,9 @@ impl Sheet {
         times: bool,
         motion: &Motion,
     ) -> Result<String, String> {
-        if let Some(text) = &self.caption {
+        // The time of a file that cannot be read is no number: its place has the name.
+        let is_read = !names.time.is_some_and(f64::is_nan);
+        if let Some(text) = self.caption.as_ref().filter(|_| is_read) {
             return pattern::expand_text(text, names, true);
         }
         let view = match motion {
@@ -146,7 +150,8 @@ impl Sheet {
             Motion::Path(..) => names.frame.map(|frame| frame.to_string()),
             Motion::Still => None,
         };
-        let time = names.time.filter(|_| times).map(|_| pattern::expand_text("t = {time}", names, true));
+        let time =
+            names.time.filter(|_| times && is_read).map(|_| pattern::expand_text("t = {time}", names, true));
         let time = time.transpose()?;
         let is_alone = view.is_none() && time.is_none();
         let name = names.name.clone().filter(|_| models || is_alone);
@@ -158,16 +163,23 @@ impl Sheet {
 ///
 /// # Errors
 /// One sentence, for a placeholder that stands for anything else.
-pub(super) fn named(writing: &WritingArgs, groups: &[Group]) -> Result<WritingArgs, String> {
-    let steps = groups.iter().flat_map(|group| &group.steps);
+pub(super) fn named(writing: &WritingArgs, cells: &Cells) -> Result<WritingArgs, String> {
+    let steps = cells.groups.iter().flat_map(|group| &group.steps);
     let all: Vec<&Names> = steps.flat_map(|step| &step.job.writing.names).collect();
+    // Models that lack what captions say have places, too, and a name, if nothing else.
+    let lacking = || cells.lacking.iter();
     let names = Names {
         frame: None,
         view: shared(all.iter().map(|names| names.view.as_ref())),
-        step: shared(all.iter().map(|names| names.step.as_ref())),
-        name: shared(all.iter().map(|names| names.name.as_ref())),
+        step: shared(all.iter().map(|names| names.step.as_ref()).chain(lacking().map(|_| None))),
+        name: shared(all.iter().map(|names| names.name.as_ref()).chain(lacking().map(|of| Some(&of.name)))),
         // That of a file that cannot be read, which is told in its place, is no number.
-        time: shared(all.iter().map(|names| names.time.as_ref()).filter(|t| t.is_none_or(|t| !t.is_nan()))),
+        time: shared(
+            all.iter()
+                .map(|names| names.time.as_ref())
+                .filter(|t| t.is_none_or(|t| !t.is_nan()))
+                .chain(lacking().map(|_| None)),
+        ),
     };
     // Names have been checked: what goes wrong is that something is not known.
     writing.named(&names, true).map_err(|_| {
