@@ -178,14 +178,19 @@ impl Annotation {
         let items = self.items();
         let all: Vec<&Item> = items.iter().collect();
         let fixed = self.with(&all, width, height);
-        if fixed.room.is_enough {
+        let has_place = |fixed: &Fixed, item: &Item| match item {
+            Item::Bar(name, _) => fixed.layout.placed.iter().any(|placed| placed.what == *name),
+            _ => true,
+        };
+        if fixed.room.is_enough && items.iter().all(|item| has_place(&fixed, item)) {
             return self.in_order(&all, fixed, (width, height));
         }
         let (mut kept, mut left_out) = (Vec::new(), Vec::new());
         for item in &items {
             kept.push(item);
             // One thing is there even if it takes more.
-            if kept.len() > 1 && !self.with(&kept, width, height).room.is_enough {
+            let with_it = self.with(&kept, width, height);
+            if kept.len() > 1 && !(with_it.room.is_enough && has_place(&with_it, item)) {
                 kept.pop();
                 left_out.push(item.what());
             }
@@ -197,7 +202,8 @@ impl Annotation {
     }
 
     /// A layout in which bars of one place, of which each next one is farther from the border, are read from left to right and from above
-    /// to below like those of the models: they find their room in the opposite order, if that has room for all.
+    /// to below like those of the models: they find their room in the opposite order, if that has room for all
+    /// of these things, too.
     fn in_order(&self, items: &[&Item<'_>], fixed: Fixed, (width, height): (u32, u32)) -> Fixed {
         let boxes = |fixed: &Fixed| -> Option<Vec<Rect>> {
             let bars = items.iter().filter_map(|item| match item {

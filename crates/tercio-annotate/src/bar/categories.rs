@@ -16,10 +16,13 @@ impl ScalarBar {
             let label = if self.colors.map.names_values() { OTHER } else { NO_DATA };
             entries.push((label, linear(self.colors.nan)));
         }
-        // At a side of the picture, lines would take the room of the model.
-        if !self.is_upright && self.place.y != 0.5 {
+        // Across the border at a side of the picture, lines would take the room of the model.
+        if !self.is_upright && !self.is_across() {
             let of_size = |shrink| self.level_list(layout, name, &entries, shrink);
-            return [1.0, 0.85, SHRINK].into_iter().find_map(of_size);
+            let found = [1.0, 0.85, SHRINK].into_iter().find_map(of_size);
+            if found.is_some() {
+                return found;
+            }
         }
         let room = [(right - left) * 0.66, bottom - top];
         for shrink in [1.0, 0.85, SHRINK] {

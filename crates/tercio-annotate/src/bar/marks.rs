@@ -26,6 +26,22 @@ fn thinned(count: usize, most: usize) -> impl Fn(usize) -> bool {
     move |number| number == last || number.is_multiple_of(every) && last - number >= every
 }
 
+/// The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there. Whole numbers are exact.
+fn shortest(value: f64) -> f64 {
+    match value as f32 {
+        single if value.fract() != 0.0 && f64::from(single) == value => {
+            format!("{single:e}").parse().unwrap_or(value)
+        }
+        _ => value,
+    }
+}
+
+/// A power of ten with the sign of a number.
+fn signed_power(value: f64, exponent: i32) -> String {
+    let sign = if value < 0.0 { "−" } else { "" };
+    format!("{sign}{}", number::power_of_ten(exponent))
+}
+
 impl ScalarBar {
     /// The marks, of which at most `most` have labels: where they are asked for, at the borders of bands, or at round numbers. Those
     /// that are not free to be elsewhere may have labels as close as `most_close` of them.
@@ -74,15 +90,17 @@ impl ScalarBar {
     /// Marks with those of the ends of the range.
     fn with_ends(&self, mut ticks: Vec<Tick>) -> Vec<Tick> {
         for mut end in ticks::ends(self.colors.range, self.format) {
+            let exact = shortest(end.value);
             if self.format == NumberFormat::Auto
                 && end.label.contains('×')
-                && ticks::is_power_of_ten(end.value)
+                && ticks::is_power_of_ten(exact.abs())
             {
-                end.label = number::power_of_ten(exponent_of(end.value));
+                end.label = signed_power(exact, exponent_of(exact));
             }
-            match ticks.iter_mut().find(|tick| tick.value == end.value) {
+            let is_end = |tick: &&mut Tick| (tick.value - end.value).abs() <= end.value.abs() * 1e-6;
+            match ticks.iter_mut().find(is_end) {
                 Some(tick) if tick.label.is_empty() => *tick = end,
-                Some(_) => {}
+                Some(tick) => tick.value = end.value,
                 None => ticks.push(end),
             }
         }
@@ -196,15 +214,8 @@ impl ScalarBar {
     /// distance of two numbers.
     fn of_borders(&self, values: &[f64], most: usize) -> Vec<Tick> {
         let has_number = thinned(values.len(), most);
-        // The end of a range may be a number of a file in `f32`: 0.3 is 0.300000012 there. Whole numbers are exact.
-        let short = |&value: &f64| match value as f32 {
-            single if value.fract() != 0.0 && f64::from(single) == value => {
-                format!("{single:e}").parse().unwrap_or(value)
-            }
-            _ => value,
-        };
         let shown = values.iter().enumerate().filter(|(number, _)| has_number(*number));
-        let borders: Vec<f64> = shown.map(|(_, value)| short(value)).collect();
+        let borders: Vec<f64> = shown.map(|(_, value)| shortest(*value)).collect();
         let width = borders.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
         let largest = borders.iter().fold(0.0f64, |largest, border| largest.max(border.abs()));
         // A border that is almost 0 is 0 beside the others.
@@ -228,13 +239,13 @@ impl ScalarBar {
             format => format.print(value),
         };
         let tick = |(number, value): (usize, &f64)| {
-            let label = if has_number(number) { print(short(value)) } else { String::new() };
+            let label = if has_number(number) { print(shortest(*value)) } else { String::new() };
             Tick { value: *value, label }
         };
         self.alike(values.iter().enumerate().map(tick).collect())
     }
 
-    /// A number on a scale that is not even, in as many digits as it takes to know it to 0.2 % and to tell it from its neighbours, which may be
+    /// A number on a scale that is not even, in as many digits as it takes to know it to 0.1 % and to tell it from its neighbours, which may be
     /// far smaller or larger.
     fn by_itself(&self, value: f64, borders: &[f64]) -> String {
         // What is 0 but for rounding.
@@ -246,12 +257,12 @@ impl ScalarBar {
         let least = to_next.fold(f64::INFINITY, f64::min) * 0.05;
         let is_close = |digits: &usize| {
             let read = number::parse(&number::general(value, *digits)).unwrap_or(f64::NAN);
-            (read - value).abs() <= least.min(value.abs() * 0.002)
+            (read - value).abs() <= least.min(value.abs() * 0.001)
         };
         let digits = (1..17).find(is_close).unwrap_or(17);
         let (mantissa, exponent) = number::scientific(value, digits - 1);
         match mantissa.as_str() {
-            "1" if !(-4..6).contains(&exponent) => number::power_of_ten(exponent),
+            "1" | "-1" if !(-4..6).contains(&exponent) => signed_power(value, exponent),
             _ => number::general(value, digits),
         }
     }

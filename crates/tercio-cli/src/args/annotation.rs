@@ -50,11 +50,13 @@ pub struct AnnotationArgs {
     )]
     bar_format: NumberFormat,
     /// Numbers of the scalar bar: how many, 2 to 64, spread evenly from one end to the other, or their values with commas (a
-    /// single one ends with a comma) [default: the borders of bands, or round numbers].
+    /// single one ends with a comma) [default: the borders of bands, or round numbers, and on a
+    /// logarithmic scale the ends].
     #[arg(long, alias = "n-labels", value_name = "N|V1,V2", allow_hyphen_values = true, value_parser = marks)]
     #[arg(requires = "color_by", conflicts_with = "no_bar")]
     bar_ticks: Option<Marks>,
-    /// Orientation of the scalar bar [default: horizontal at the top and at the bottom, else vertical].
+    /// Orientation of the scalar bar [default: horizontal at the top and at the bottom, else vertical]. A list of categories at the
+    /// left or right is vertical.
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
     /// A title above the picture's middle; \n begins a line, and {name}, {frame}, {view}, {step} and {time} (or {time:.2f}) stand for

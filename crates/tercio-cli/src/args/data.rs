@@ -455,8 +455,15 @@ impl DataArgs {
             || matches!(options.range.high, RangeEnd::Percentile(_))
             || options.categories.is_some();
         if parts.is_some() && is_of_part {
-            let text = "percentiles and --categories need the whole model, which no rank has with --parts";
-            return Err(UsageError(text.into()).into());
+            let needs = "the whole model, which no rank has with --parts";
+            let text = match &options.map {
+                Some(map) if self.categories.is_none() && options.categories.is_some() => format!(
+                    "{} has the colours of categories, which need {needs}: give --range LOW,HIGH",
+                    map.name()
+                ),
+                _ => format!("percentiles and --categories need {needs}"),
+            };
+            return Err(UsageError(text).into());
         }
         let mut statistics = Statistics::default();
         let of_all = |own: Statistics| -> Result<Statistics> {
@@ -479,7 +486,7 @@ impl DataArgs {
             let (by, map) = (&options.by, colors.map.name());
             if colors.categories.is_empty() {
                 notes.push(format!(
-                    "{map} has the colours of categories, whose labels are left out: --range and other options of quantities are given"
+                    "{map} has the colours of categories, whose labels are left out: --range, --log or another option of quantities is given"
                 ));
             } else if has_others(instance, data.surface.as_deref(), data.strokes.as_ref(), false) {
                 notes.push(format!(
@@ -493,9 +500,12 @@ impl DataArgs {
 
     /// Whether the bar of an instance, or of its lines and points, explains the colour of what is no number or no category: where that is
     /// asked for, or something has it that is not gray as ever. In a series, whether that is so of any model: the bar of all pictures is
-    /// the same.
-    pub fn explains_others(&self, instance: &Instance, strokes: Option<&StrokeData>) -> bool {
+    /// the same; and on all ranks with parts of a model, so that there it is explained whenever it was chosen.
+    pub fn explains_others(&self, instance: &Instance, strokes: Option<&StrokeData>, in_parts: bool) -> bool {
         let surface = instance.data.as_deref();
+        if in_parts {
+            return self.nan_color.is_some() || self.looks_for_others(surface);
+        }
         let has_others = || self.looks_for_others(surface) && has_others(instance, surface, strokes, true);
         self.nan_color.is_some() || self.series_has_others || has_others()
     }

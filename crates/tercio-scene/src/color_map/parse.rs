@@ -143,6 +143,9 @@ fn json(name: &str, text: &str) -> Result<ColorMap, ColorMapError> {
     if colors.is_some() {
         read.is_categorical = true;
         read.annotations = annotations(map)?;
+        if read.annotations.len() > MOST {
+            return Err(ColorMapError::TooMany);
+        }
     }
     Ok(read)
 }

@@ -400,15 +400,23 @@ impl DataOptions {
         // A map may say which of its colours are for which values: others have the colour of NaN.
         let named = self.map.as_ref().filter(|map| map.names_values()).map(|map| {
             let values = map.annotations().iter().filter_map(|annotation| annotation.value);
-            values.map(|value| (value - offset) as f32).collect::<Vec<f32>>()
+            values
+                .map(|value| (value - offset) as f32)
+                .filter(|value| value.is_finite())
+                .collect::<Vec<f32>>()
         });
-        let found = found.or_else(|| named.clone());
-        let mut values = found.ok_or_else(|| DataError::TooManyCategories(self.by.clone()))?;
-        if let Some(named) = named {
-            values.retain(|value| named.contains(value));
-            if values.is_empty() && labels.is_empty() {
-                values = named;
+        let mut values = match (found, named) {
+            (Some(mut found), Some(named)) => {
+                found.retain(|value| named.contains(value));
+                if found.is_empty() && labels.is_empty() { named } else { found }
             }
+            (Some(found), None) => found,
+            // A few of the values may be named.
+            (None, Some(named)) => named,
+            (None, None) => return Err(DataError::TooManyCategories(self.by.clone())),
+        };
+        if values.len() > MOST_CATEGORIES {
+            return Err(DataError::TooManyCategories(self.by.clone()));
         }
         let labels: Vec<(f32, &String)> =
             labels.iter().map(|(of, label)| ((of - offset) as f32, label)).collect();

@@ -14,6 +14,9 @@ fn ends_of_logarithmic_bars_are_told() {
         ([1.0, 1000.0], Scale::Log, ["1", "1000"]),
         ([-345.0, 12.0], symmetric, ["−345", "12"]),
         ([0.0, 4567.0], symmetric, ["0", "4570"]),
+        // Numbers of files are rounded to `f32`.
+        ([f64::from(1e-5_f32), 1.0], Scale::Log, ["10⁻⁵", "10⁰"]),
+        ([f64::from(1e-4_f32), f64::from(1e14_f32)], Scale::Log, ["10⁻⁴", "10¹⁴"]),
     ] {
         for is_upright in [true, false] {
             let bar = ScalarBar { is_upright, ..bar(range, scale) };
@@ -43,6 +46,7 @@ fn borders_on_logarithmic_scales_are_told_each_by_itself() {
         ([1e-20, 1e20], Scale::Log, 8, "10⁻²⁰ 10⁻¹⁵ 10⁻¹⁰ 10⁻⁵ 1 100000 10¹⁰ 10¹⁵ 10²⁰"),
         ([1000.0, 1010.0], Scale::Log, 2, "1000 1005 1010"),
         ([-100.0, 100.0], symmetric, 2, "−100 0 100"),
+        ([-1e8, 1e8], symmetric, 2, "−10⁸ 0 10⁸"),
     ] {
         let mut banded = bar(range, scale);
         banded.colors.bands = Some(bands);
@@ -142,10 +146,12 @@ fn level_lists_have_entries_beside_each_other() {
         let layout = annotation.fixed(640, 480).layout;
         (layout.placed.first().map(|placed| placed.rect), layout.left_out)
     };
-    for place in ["bottom", "top", "right", "bottom-left"] {
+    for (place, is_level) in [("bottom", true), ("top", true), ("right", false), ("bottom-left", true)] {
         let (rect, left_out) = list(4, place);
         let [left, top, right, bottom] = rect.expect("there is room");
-        assert!(right - left > 3.0 * (bottom - top) && left_out.is_empty(), "{place}: {rect:?}");
+        let [across, down] = [right - left, bottom - top];
+        let is_so = if is_level { across > 3.0 * down } else { down > across };
+        assert!(is_so && left_out.is_empty(), "{place}: {rect:?}");
     }
     // More of them take more lines; far too many are counted.
     let heights = [4, 20, 40].map(|count| list(count, "bottom").0.expect("there is room"));

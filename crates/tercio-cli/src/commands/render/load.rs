@@ -126,7 +126,7 @@ impl Render {
             }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance, is_drawing);
-            let shows_nan = || colors.explains_others(&instance, data.as_ref());
+            let shows_nan = || colors.explains_others(&instance, data.as_ref(), parts.is_some());
             if let Some(mut bar) = member.annotation.bar(&instance, shows_nan) {
                 if !std::ptr::eq(member, self) {
                     // Those of the first model may change from picture to picture.

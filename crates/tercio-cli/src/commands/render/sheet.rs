@@ -90,7 +90,8 @@ impl Sheet {
         pool.install(|| render.check_companions(&files, &models))?;
         let display = Display::new(render.running.progress_mode());
         let groups = pool.install(|| prepared(groups, &files, &display))?;
-        display.pictures(count as u64);
+        let without = lacking.iter().map(|lacking| lacking.cells.len()).sum::<usize>();
+        display.pictures((count - without) as u64);
         lacking.iter().for_each(|lacking| messages::error(&anyhow::anyhow!("{lacking}")));
         let (paper, failed) = (Mutex::new(paper), AtomicUsize::new(lacking.len()));
         let draw = |group: &Group| {
