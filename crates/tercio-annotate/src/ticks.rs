@@ -221,6 +221,14 @@ pub(crate) fn is_power_of_ten(value: f64) -> bool {
     value == tens(exponent_of(value))
 }
 
+/// A power of ten, or minus one, written as that; `None` for other numbers. That of a file may be rounded to `f32`.
+pub(crate) fn near_power(value: f64) -> Option<String> {
+    let exponent = value.abs().log10().round();
+    let is_near = exponent.is_finite() && (value.abs() / tens(exponent as i32) - 1.0).abs() <= 1e-6;
+    let sign = if value < 0.0 { "−" } else { "" };
+    is_near.then(|| format!("{sign}{}", number::power_of_ten(exponent as i32)))
+}
+
 fn tens(exponent: i32) -> f64 {
     format!("1e{exponent}").parse().unwrap_or(f64::NAN)
 }

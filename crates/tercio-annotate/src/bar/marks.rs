@@ -36,12 +36,6 @@ fn shortest(value: f64) -> f64 {
     }
 }
 
-/// A power of ten with the sign of a number.
-fn signed_power(value: f64, exponent: i32) -> String {
-    let sign = if value < 0.0 { "−" } else { "" };
-    format!("{sign}{}", number::power_of_ten(exponent))
-}
-
 impl ScalarBar {
     /// The marks, of which at most `most` have labels: where they are asked for, at the borders of bands, or at round numbers. Those
     /// that are not free to be elsewhere may have labels as close as `most_close` of them.
@@ -89,13 +83,13 @@ impl ScalarBar {
 
     /// Marks with those of the ends of the range.
     fn with_ends(&self, mut ticks: Vec<Tick>) -> Vec<Tick> {
+        let has_powers = ticks.iter().any(|tick| ticks::near_power(tick.value).as_ref() == Some(&tick.label));
         for mut end in ticks::ends(self.colors.range, self.format) {
-            let exact = shortest(end.value);
             if self.format == NumberFormat::Auto
-                && end.label.contains('×')
-                && ticks::is_power_of_ten(exact.abs())
+                && (has_powers || end.label.contains('×'))
+                && let Some(power) = ticks::near_power(end.value)
             {
-                end.label = signed_power(exact, exponent_of(exact));
+                end.label = power;
             }
             let is_end = |tick: &&mut Tick| (tick.value - end.value).abs() <= end.value.abs() * 1e-6;
             match ticks.iter_mut().find(is_end) {
@@ -260,11 +254,8 @@ impl ScalarBar {
             (read - value).abs() <= least.min(value.abs() * 0.001)
         };
         let digits = (1..17).find(is_close).unwrap_or(17);
-        let (mantissa, exponent) = number::scientific(value, digits - 1);
-        match mantissa.as_str() {
-            "1" | "-1" if !(-4..6).contains(&exponent) => signed_power(value, exponent),
-            _ => number::general(value, digits),
-        }
+        let label = number::general(value, digits);
+        ticks::near_power(value).filter(|_| label.contains('×')).unwrap_or(label)
     }
 
     /// Marks of which all labels have the same digits after the point, unless a format says how many. On a logarithmic scale small
