@@ -102,6 +102,13 @@ struct Fixed {
     room: Room,
 }
 
+impl Fixed {
+    /// The box of something that has a place.
+    fn box_of(&self, what: &str) -> Option<Rect> {
+        self.layout.placed.iter().find(|placed| placed.what == what).map(|placed| placed.rect)
+    }
+}
+
 /// What a scalar bar is called in [`Placed`]: `bar`, `bar 2` and so on.
 fn bar_name(number: usize) -> String {
     if number == 0 { "bar".into() } else { format!("bar {}", number + 1) }
@@ -179,7 +186,7 @@ impl Annotation {
         let all: Vec<&Item> = items.iter().collect();
         let fixed = self.with(&all, width, height);
         let has_place = |fixed: &Fixed, item: &Item| match item {
-            Item::Bar(name, _) => fixed.layout.placed.iter().any(|placed| placed.what == *name),
+            Item::Bar(name, _) => fixed.box_of(name).is_some(),
             _ => true,
         };
         if fixed.room.is_enough && items.iter().all(|item| has_place(&fixed, item)) {
@@ -210,7 +217,7 @@ impl Annotation {
                 Item::Bar(name, _) => Some(name),
                 _ => None,
             });
-            bars.map(|name| fixed.layout.placed.iter().find(|p| p.what == *name).map(|p| p.rect)).collect()
+            bars.map(|name| fixed.box_of(name)).collect()
         };
         let is_read = |boxes: &Vec<Rect>, is_in_order: bool| {
             boxes.windows(2).all(|pair| {
@@ -223,11 +230,10 @@ impl Annotation {
         if !(have_one_place && is_reversed) {
             return fixed;
         }
-        let (bars, rest): (Vec<&Item>, Vec<&Item>) =
-            items.iter().partition(|item| matches!(item, Item::Bar(..)));
-        let (captions, others): (Vec<&Item>, Vec<&Item>) =
-            rest.into_iter().partition(|item| matches!(item, Item::Caption(_)));
-        let turned: Vec<&Item> = captions.into_iter().chain(bars.into_iter().rev()).chain(others).collect();
+        // Bars follow each other in the list of items.
+        let is_bar = |item: &Item| matches!(item, Item::Bar(..));
+        let mut turned = items.to_vec();
+        turned.chunk_by_mut(|a, b| is_bar(a) && is_bar(b)).for_each(<[_]>::reverse);
         let turned = self.with(&turned, width, height);
         let has_all = turned.room.is_enough == fixed.room.is_enough
             && turned.layout.left_out.len() <= fixed.layout.left_out.len();

@@ -72,7 +72,7 @@ fn values_become_colors() {
     );
 }
 
-/// A colour map that names values is one of categories: what it does not name is no category, and is told.
+/// A colour map that names values is one of categories: a warning says that the data have other values.
 #[test]
 fn colors_that_name_values_are_those_of_categories() {
     let place = Place::new();
@@ -130,7 +130,7 @@ fn the_color_of_no_number_is_explained_where_it_is() {
     assert!(yellow("--color-by quality --nan-color #ffff00") > 50, "asked for");
 }
 
-/// The end of the data in `f32` is at the line of the number that it means; lines beyond are told.
+/// An isoline at the end of the data, which is rounded to `f32`, gives no warning; lines beyond the data do.
 #[test]
 fn isolines_beside_the_data_are_told() {
     let place = Place::new();

@@ -1,4 +1,4 @@
-//! What is told by bars and lists, and in which order.
+//! Labels of scalar bars and of lists of categories, and the order of several bars.
 
 use super::*;
 use crate::layout::TextBlock;

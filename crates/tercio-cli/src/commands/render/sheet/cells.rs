@@ -173,7 +173,7 @@ pub(super) fn named(writing: &WritingArgs, cells: &Cells) -> Result<WritingArgs,
         view: shared(all.iter().map(|names| names.view.as_ref())),
         step: shared(all.iter().map(|names| names.step.as_ref()).chain(lacking().map(|_| None))),
         name: shared(all.iter().map(|names| names.name.as_ref()).chain(lacking().map(|of| Some(&of.name)))),
-        // That of a file that cannot be read, which is told in its place, is no number.
+        // The time of an unreadable file is NaN and does not count: its place shows the error.
         time: shared(
             all.iter()
                 .map(|names| names.time.as_ref())
