@@ -119,6 +119,47 @@ fn pixels_of_several_samples() {
     }
 }
 
+/// Where a rank has covered what others may draw, these are told so: they draw nothing there, and send nothing.
+#[test]
+fn what_another_rank_hides_is_not_drawn() {
+    let mut scene = scene("builtin:sphere@4k", 64);
+    let small = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.3),
+        DQuat::IDENTITY,
+        DVec3::new(0.1, 0.1, -1.5),
+    );
+    let behind = Instance { world_from_object: small, ..scene.instances[0].clone() };
+    scene.instances.push(behind);
+    let radius = scene.instances[0].mesh.local_bounds().radius();
+    let camera = Camera {
+        eye: DVec3::Z * radius * 4.0,
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+        projection: Projection::Perspective { fov_y: 0.7 },
+        near: None,
+        shift: [0.0; 2],
+    };
+    // The first rank draws the sphere in front, the other one that behind it.
+    let drawn = |sampling: Sampling| {
+        let settings = Settings { sampling, tile_size: Some(32), ..Settings::new(203, 190) };
+        let ranks = Ranks { count: 2, threads: 1, sharing: Organisation::SortLast.into() };
+        let report = check(&scene, &camera, &settings, ranks, "behind");
+        report
+            .ranks
+            .iter()
+            .map(|rank| (rank.frame.backend.clusters_drawn, rank.pixels.fragment_bytes))
+            .collect::<Vec<_>>()
+    };
+    let (found, tent) =
+        (drawn(Sampling::default()), drawn(Sampling { filter: Filter::Tent, ..Sampling::default() }));
+    for rank in 0..2 {
+        assert_eq!(found[rank].0 > 0, rank == 0, "rank {rank} draws {} clusters", found[rank].0);
+        assert!(tent[rank].0 > 0, "rank {rank} with a wide filter");
+    }
+    let bytes = |of: &[(u64, u64)]| of.iter().map(|(_, bytes)| bytes).sum::<u64>();
+    assert!(4 * bytes(&found) < bytes(&tent), "{} and {} bytes", bytes(&found), bytes(&tent));
+}
+
 /// Ranks send the layers of what is not opaque, in one round or in many.
 #[test]
 fn what_is_not_opaque() {

@@ -8,6 +8,7 @@ use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 
 use crate::conventions::{MAX_CLUSTERS, MAX_NUMBERS, SUBPIXELS};
 use crate::data::{DataTable, check_data};
+use crate::depth_bounds::DepthBounds;
 use crate::error::RenderError;
 use crate::frame::{FragmentLayout, NO_PRIMITIVE, Outputs};
 use crate::lighting::LightRig;
@@ -55,6 +56,8 @@ pub struct FrameContext<'a> {
     pub shading_distance: f32,
     /// The part of the picture whose colour a shaded point has.
     pub(crate) footprint: Footprint,
+    /// Of a frame that keeps fragments, how near other ranks draw, in each block of pixels of the tiles that this is known of.
+    pub nearest_of_others: Option<DepthBounds>,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
@@ -135,6 +138,7 @@ impl<'a> FrameContext<'a> {
             workers,
             shading_distance,
             footprint: Footprint::new(settings, shading_distance),
+            nearest_of_others: None,
             is_translucent,
             first_cluster,
             first_primitive,
@@ -164,6 +168,14 @@ impl<'a> FrameContext<'a> {
         instance.surface.opacity < 1.0
             || instance
                 .colors_are_translucent(instance.mesh.clusters()[number].is_translucent() || of_materials())
+    }
+
+    /// How near other ranks draw in each block of a tile ([`DepthBounds`]), if that is known and pixels depend on nothing but what is in
+    /// their block: not where a filter is wider than a pixel, nor where there may be layers.
+    #[inline(always)]
+    pub(crate) fn nearest_of_others(&self, tile: u32) -> Option<&[f32]> {
+        let is_by_block = self.filter.taps.is_empty() && !self.is_translucent;
+        self.nearest_of_others.as_ref().filter(|_| is_by_block)?.of(tile)
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.

@@ -38,6 +38,7 @@ pub mod color;
 pub mod context;
 pub mod conventions;
 mod data;
+pub mod depth_bounds;
 mod error;
 pub mod frame;
 mod frontend;

@@ -2,13 +2,17 @@
 
 mod common;
 
-use common::{assert_same, draw, everything, perspective, scene, soup, with_second_instance};
+use common::{assert_same, draw, everything, perspective, scene, scene_with, soup, with_second_instance};
 use proptest::prelude::*;
+use tercio_mesh::cluster::PartitionOptions;
+use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
+use tercio_raster::depth_bounds::DepthBounds;
 use tercio_raster::frame::fragments::{FragmentHead, FragmentLayout, write_fragment};
-use tercio_raster::frame::{FragmentError, FragmentsOfTile, TileFragments};
+use tercio_raster::frame::{FragmentError, FragmentsOfTile, Pixel, TileFragments};
 use tercio_raster::{
     Filter, Frame, Outputs, Part, Renderer, SamplePattern, SampleShading, Sampling, Settings, SimdLevel,
+    TileSet,
 };
 use tercio_scene::{Camera, Scene};
 
@@ -30,7 +34,7 @@ fn parts(scene: &Scene, camera: &Camera, settings: &Settings, of: u32) -> Vec<Ve
 fn by_tile(parts: &[Vec<TileFragments>], tiles: usize) -> Vec<FragmentsOfTile<'_>> {
     let of_tile = |tile: u32| {
         let own = parts.iter().flatten().filter(|of| of.tile == tile);
-        FragmentsOfTile { tile, parts: own.map(|of| &of.bytes[..]).collect() }
+        FragmentsOfTile { tile, parts: own.map(|of| &of.bytes[..]).collect(), has_finished: false }
     };
     (0..tiles as u32).map(of_tile).collect()
 }
@@ -76,6 +80,112 @@ fn parts_are_merged_into_the_picture() {
                 let frame = merge(plain, &camera, &settings, &parts).expect("fragments of these tiles");
                 assert_same(&expected, &frame, &format!("{sampling:?}, {of} parts in reverse"));
             }
+        }
+    }
+}
+
+/// How near each of some parts of a frame may draw, all tiles of it.
+fn bounds(
+    context: &FrameContext,
+    settings: &Settings,
+    scene: &Scene,
+    camera: &Camera,
+    of: u32,
+) -> Vec<DepthBounds> {
+    let part = |number: u32| {
+        let own = Settings { clusters: Part { number, of }, ..settings.clone() };
+        let own = FrameContext::new(scene, camera, &own, 1).expect("a frame");
+        let mut sorted = Sorted::default();
+        Renderer::new().sort(&own, &mut sorted);
+        let mut bounds = DepthBounds::new(&context.grid, (0..context.grid.count() as u32).collect());
+        bounds.tiles_mut().for_each(|(tile, of)| sorted.raise_bounds(&own, tile, of));
+        bounds
+    };
+    (0..of).map(part).collect()
+}
+
+/// Parts that know how near the others may draw finish blocks of pixels. Together with the fragments that are left, these are the
+/// picture, also if later parts are told what earlier ones have finished, and then draw less.
+#[test]
+fn blocks_that_are_finished_are_those_of_the_picture() {
+    const PARTS: u32 = 3;
+    let mesh = tercio_mesh::builtin::make("builtin:teapot@4k").expect("a model");
+    let scene = scene_with(&mesh, &PartitionOptions { max_triangles: 16, ..PartitionOptions::default() });
+    let camera = Settings::new(157, 103).framing().camera_for_scene(&scene);
+    for (sampling, tells) in
+        samplings().into_iter().flat_map(|sampling| [false, true].map(|tells| (sampling, tells)))
+    {
+        for (outputs, size) in [(Outputs::ALL, 32), (Outputs::default(), 64), (Outputs::default(), 8)] {
+            let settings = Settings { sampling, outputs, tile_size: Some(size), ..everything(157, 103) };
+            let expected = draw(&scene, &camera, &settings);
+            let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
+            let tiles = context.grid.count();
+            let bounds = bounds(&context, &settings, &scene, &camera, PARTS);
+            let mut finished = vec![Vec::new(); tiles];
+            let mut frames = Vec::new();
+            for number in 0..PARTS as usize {
+                let mut others = DepthBounds::new(&context.grid, (0..tiles as u32).collect());
+                for (tile, to) in others.tiles_mut() {
+                    let theirs = (0..PARTS as usize).filter(|&other| other != number);
+                    for of in theirs.filter_map(|other| bounds[other].of(tile)) {
+                        to.iter_mut().zip(of).for_each(|(to, &depth)| *to = to.max(depth));
+                    }
+                    if tells {
+                        finished[tile as usize].iter().for_each(|&block: &usize| to[block] = f32::INFINITY);
+                    }
+                }
+                let clusters = Part { number: number as u32, of: PARTS };
+                let own = Settings { clusters, keep_fragments: true, ..settings.clone() };
+                let mut own = FrameContext::new(&scene, &camera, &own, 1).expect("a frame");
+                own.nearest_of_others = Some(others);
+                let (mut renderer, mut sorted, mut frame) =
+                    (Renderer::new(), Sorted::default(), Frame::default());
+                frame.resize(&settings);
+                renderer.sort(&own, &mut sorted);
+                renderer.draw(&own, &sorted, &TileSet::ALL, &mut frame);
+                for TileFragments { tile, finished: of_tile, .. } in &frame.fragments {
+                    let blocks =
+                        (0..of_tile.hides.len() * 8).filter(|k| of_tile.hides[k / 8] >> (k % 8) & 1 == 1);
+                    finished[*tile as usize].extend(blocks);
+                }
+                frames.push(frame);
+            }
+            let pixels = |frame: &Frame| frame.fragments.iter().map(|of| of.finished.pixels).sum::<u64>();
+            let in_blocks: u64 = frames.iter().map(pixels).sum();
+            let is_by_block = sampling.filter != Filter::Tent;
+            let what = format!("{sampling:?}, tiles of {size}, {tells}: {in_blocks} pixels are finished");
+            let visible = expected.stats.backend.pixels_visible;
+            assert_eq!(in_blocks > visible / 20, is_by_block, "{what}");
+            assert_eq!(finished.iter().any(|blocks| !blocks.is_empty()), is_by_block, "{what}");
+            if tells && is_by_block {
+                let hidden = |frame: &Frame| frame.stats.backend.clusters_hidden;
+                assert!(frames[1..].iter().map(hidden).sum::<u64>() > 0, "{what}");
+            }
+            // The first part owns all tiles, and gets the finished pixels of the others.
+            let fragments: Vec<Vec<TileFragments>> =
+                frames.iter_mut().map(|frame| std::mem::take(&mut frame.fragments)).collect();
+            let mut of_tiles = by_tile(&fragments, tiles);
+            of_tiles.iter_mut().for_each(|of_tile| {
+                of_tile.has_finished = true;
+                of_tile.parts.retain(|bytes| !bytes.is_empty());
+            });
+            let mut frames = frames.into_iter();
+            let mut frame = frames.next().expect("a part");
+            let merged =
+                Renderer::new().merge(&context, &of_tiles, &mut frame).expect("fragments of these tiles");
+            assert_eq!(merged + in_blocks, visible, "{what}");
+            for other in frames {
+                for place in 0..157 * 103 {
+                    let pixel = Pixel::of_background(&scene.background, place as u32 / 157, 103);
+                    let (mut differs, mut bytes) = ([false], Vec::new());
+                    other.planes.differ_from(&outputs, place..place + 1, &pixel, &mut differs);
+                    if differs[0] {
+                        other.planes.write_bytes(&outputs, place..place + 1, &mut bytes);
+                        frame.planes.read_bytes(&outputs, &bytes, place..place + 1);
+                    }
+                }
+            }
+            assert_same(&expected, &frame, &what);
         }
     }
 }
@@ -137,7 +247,7 @@ fn what_is_not_in_the_tile_is_an_error() {
     let last = good[0].last().expect("fragments");
     let short = changed(&|parts| _ = parts.last_mut().expect("fragments").bytes.pop());
     assert!(matches!(short, Err(FragmentError::Short { tile, .. }) if tile == last.tile), "{short:?}");
-    for (byte, value, what) in [(5, 255, "a pixel"), (6, 0, "no sample"), (6, 16, "a fifth sample")] {
+    for (byte, value, what) in [(5, 255, "a pixel"), (6, 16, "a fifth sample")] {
         let error = changed(&|parts| parts[0].bytes[byte] = value).expect_err(what);
         let first = good[0][0].tile;
         assert!(
@@ -145,10 +255,19 @@ fn what_is_not_in_the_tile_is_an_error() {
             "{what}: {error}"
         );
     }
+    // Tiles of 16 pixels have four blocks.
+    for (first, count, is_valid) in [(0, 4, true), (3, 1, true), (3, 2, false), (4, 1, false), (0, 0, false)]
+    {
+        let head = FragmentHead { primitive: count, place: first, ..FragmentHead::default() };
+        let found = changed(&|parts| parts[0].bytes.extend(bytemuck::bytes_of(&head)));
+        let blocks = |error| matches!(error, FragmentError::Blocks { first: of, .. } if of == first);
+        assert_eq!(found.is_ok(), is_valid, "{first}, {count}");
+        assert!(found.is_ok() || found.is_err_and(blocks), "{first}, {count}");
+    }
     let context = FrameContext::new(&plain, &camera, &settings, 1).expect("a frame");
     let mut frame = Frame::default();
     frame.resize(&settings);
-    let fifth = FragmentsOfTile { tile: 4, parts: vec![&good[0][0].bytes] };
+    let fifth = FragmentsOfTile { tile: 4, parts: vec![&good[0][0].bytes], has_finished: false };
     let error = Renderer::new().merge(&context, &[fifth], &mut frame);
     assert_eq!(error, Err(FragmentError::Tile { tile: 4, tiles: 4 }));
 }
@@ -177,7 +296,7 @@ proptest! {
         let plain = scene(&soup(10, 2));
         let camera = perspective([0.1, 0.2, 2.3], [0.2, 0.0, -1.0], 60.0);
         let settings = Settings { tile_size: Some(8), sampling: samplings()[samples], ..everything(8, 8) };
-        let parts = vec![vec![TileFragments { tile: 0, bytes }]];
+        let parts = vec![vec![TileFragments { tile: 0, bytes, ..TileFragments::default() }]];
         merge(&plain, &camera, &settings, &parts).ok();
     }
 
@@ -195,7 +314,7 @@ proptest! {
         let fragments: Vec<_> = fragments.into_iter().filter(|of| of.1 & 1 == 1).collect();
         let is_opaque = fragments.iter().all(|of| of.2 % 6 == 0);
         let bytes = fragments.iter().flat_map(|&of| fragment(of, &sampling)).collect();
-        let merged = merge(&plain, &camera, &settings, &[vec![TileFragments { tile: 0, bytes }]]);
+        let merged = merge(&plain, &camera, &settings, &[vec![TileFragments { tile: 0, bytes, ..TileFragments::default() }]]);
         match merged {
             Ok(_) => prop_assert!(is_opaque || opacity < 1.0),
             Err(FragmentError::Translucent { tile: 0, .. }) => prop_assert!(!is_opaque && opacity == 1.0),

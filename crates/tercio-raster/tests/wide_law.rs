@@ -82,6 +82,7 @@ fn merged(scene: &Scene, settings: &Settings, of: u32) -> Frame {
     let of_tile = |tile: u32| FragmentsOfTile {
         tile,
         parts: parts.iter().rev().flatten().filter(|of| of.tile == tile).map(|of| &of.bytes[..]).collect(),
+        has_finished: false,
     };
     let tiles: Vec<_> = (0..context.grid.count() as u32).map(of_tile).collect();
     let mut frame = Frame::default();

@@ -23,6 +23,10 @@ pub enum Kind {
     Clusters,
     /// Contents of bins, for the owners of tiles.
     Bins,
+    /// How near a rank may draw in the blocks of tiles.
+    DepthBounds,
+    /// Which blocks of tiles a rank has finished.
+    FinishedBlocks,
     /// How many tiles are drawn next of what is not opaque.
     Round,
     /// Pixels with keys, which are composited.
@@ -37,7 +41,7 @@ pub enum Kind {
 
 impl Kind {
     /// All of them, in the order in which they occur in a frame. Messages have their places in this list.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Agreement,
         Self::Barrier,
         Self::Parts,
@@ -45,6 +49,8 @@ impl Kind {
         Self::Load,
         Self::Clusters,
         Self::Bins,
+        Self::DepthBounds,
+        Self::FinishedBlocks,
         Self::Round,
         Self::Pixels,
         Self::Fragments,
@@ -72,6 +78,8 @@ impl Kind {
             Self::Load => "work in tiles",
             Self::Clusters => "clusters",
             Self::Bins => "bins",
+            Self::DepthBounds => "bounds of depth",
+            Self::FinishedBlocks => "finished blocks",
             Self::Round => "round",
             Self::Pixels => "pixels",
             Self::Fragments => "fragments",

@@ -10,7 +10,9 @@ use tercio_raster::stats::FrontEndCounts;
 use tercio_raster::{Frame, FrameStats, Part, RenderError, SampleShading, Settings, TileSet};
 
 use super::collect::{self, Finished, composited_planes};
+use super::depth_bounds::{self, Others};
 use super::envelope::FrameComm;
+use super::front_first;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
 use super::{
@@ -119,16 +121,30 @@ fn draw_steps(
     let shared = touched.shared();
     let mut finished = own_touched;
     finished.retain(|tile| shared.binary_search(tile).is_err());
-    own.draw_finished(&context, &finished, frame, report);
     let ranks = touched.ranks_of_any(&shared);
     let all = Shared { tiles: &shared, ranks: &ranks, touched: &touched };
+    let is_shared_by = |rank: usize| ranks.binary_search(&rank).is_ok();
+    // Where a filter is wider than a pixel, or anything is translucent, no block of pixels can be finished alone.
+    let finishes_blocks = has_fragments && !is_translucent(scene) && context.grid.halo == 0;
+    let mut bounds = None;
+    if finishes_blocks && is_shared_by(rank) {
+        comm.begin(Kind::DepthBounds);
+        bounds = Some(depth_bounds::send(comm, &context, &own.sorted, &all, &mut report.stages)?);
+    }
+    own.draw_finished(&context, &finished, frame, report);
+    let others = match bounds {
+        Some(bounds) => Some(bounds.receive(comm, &context, &all, &mut report.stages)?),
+        None => None,
+    };
     let (packets, owns) = if has_fragments {
-        composite_fragments(own, comm, task, (&context, part), &all, &mut finished, frame, report)?
+        composite_fragments(own, comm, task, (&context, part), others, &all, &mut finished, frame, report)?
     } else {
         composite_pixels(own, comm, task, (&context, part), &all, frame, report)?
     };
     let finished = Finished { tiles: &finished, packets };
-    let sends = |rank: &usize| touched.has_sole(*rank, &shared) || owns.contains(rank);
+    let sends = |rank: &usize| {
+        touched.has_sole(*rank, &shared) || owns.contains(rank) || finishes_blocks && is_shared_by(*rank)
+    };
     finish(own, comm, &context, finished, sends, frame, report)?;
     Ok(counts)
 }
@@ -189,7 +205,7 @@ impl Rank {
     }
 
     /// Draws some tiles; their counts are added to the report.
-    fn draw_tiles(
+    pub fn draw_tiles(
         &mut self,
         context: &FrameContext,
         tiles: &[u32],
@@ -280,23 +296,24 @@ fn composite_pixels(
     Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
 }
 
-/// Draws the shared tiles, and composites their fragments, in rounds; what this rank owns of them is finished in the frame
-/// then.
+/// Draws the shared tiles, and composites their fragments, in rounds. In the frame are then finished the tiles that this rank owns, and,
+/// where it is known how near others may draw, its finished pixels of the other ones.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 fn composite_fragments(
     own: &mut Rank,
     comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
+    others: Option<Others>,
     shared: &Shared,
     finished: &mut Vec<u32>,
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
     let settings = Settings { keep_fragments: true, clusters: part, ..context.settings.clone() };
-    let drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
-    let mut fragments = std::mem::take(&mut own.fragments);
-    fragments.resize(&settings);
+    let mut drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
+    let mut others = others;
+    let finishes_blocks = others.is_some();
     let (rank, composition) = (comm.rank(), task.sharing.composition);
     let mut owners = Vec::new();
     let mut rounds = match is_translucent(task.scene) {
@@ -312,10 +329,21 @@ fn composite_fragments(
         let ranks = shared.touched.ranks_of_any(tiles);
         let of_round = Shared { tiles, ranks: &ranks, touched: shared.touched };
         let touched = of_round.tiles_of(rank);
-        own.draw_tiles(&drawing, &touched, &mut fragments, report);
-        let drawn = std::mem::take(&mut fragments.fragments);
+        // If blocks are finished, there is one round.
+        let drawn = match others.take() {
+            Some(others) => {
+                comm.begin(Kind::FinishedBlocks);
+                front_first::draw(own, comm, &mut drawing, others, &of_round, frame, report)?
+            }
+            None => {
+                own.draw_tiles(&drawing, &touched, frame, report);
+                std::mem::take(&mut frame.fragments)
+            }
+        };
         rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
-        let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
+        report.pixels.visible += drawn.iter().map(|of_tile| of_tile.finished.pixels).sum::<u64>();
+        let has_fragments = drawn.into_iter().filter(|of_tile| !of_tile.bytes.is_empty());
+        let parts = has_fragments.map(|TileFragments { tile, bytes, .. }| (tile, bytes)).collect();
         comm.begin(Kind::Fragments);
         let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, report)?;
         let of_tiles: Vec<usize> =
@@ -327,15 +355,20 @@ fn composite_fragments(
             .map(|(&tile, _)| FragmentsOfTile {
                 tile,
                 parts: merged.get(&tile).map(|bytes| &bytes[..]).into_iter().collect(),
+                // The owner may have drawn nothing in it.
+                has_finished: finishes_blocks && shared.touched.is_touched(rank, tile),
             })
             .collect();
         let stage = &mut report.stages.compose;
         report.pixels.visible += scope(|_| stage.time(|| own.renderer.merge(context, &owned, frame)))?;
         finished.extend(owned.iter().map(|of| of.tile));
+        if finishes_blocks {
+            finished.extend(touched);
+        }
         owners.extend(of_tiles);
     }
-    own.fragments = fragments;
     finished.sort_unstable();
+    finished.dedup();
     Ok((Parts::new(), owners))
 }
 

@@ -7,6 +7,7 @@
 //! | front end | all clusters, own tiles | own clusters | own clusters | own clusters |
 //! | [redistribute](redistribute) bins | – | to the owners of tiles | – | to the owners of tiles in the rank's group |
 //! | draw | own tiles | own tiles | all tiles | own tiles in the group |
+//! | [tell](depth_bounds) how near one may draw | – | – | to the owners of tiles | to the owners of tiles |
 //! | [composite](crate::composite) | – | – | between ranks | between groups |
 //! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
 //!
@@ -20,9 +21,11 @@
 
 mod clusters;
 mod collect;
+mod depth_bounds;
 mod divided;
 pub mod envelope;
 mod frame;
+mod front_first;
 mod held;
 pub mod redistribute;
 mod rounds;
@@ -148,8 +151,6 @@ pub struct Rank {
     keys: Vec<u64>,
     /// Likewise of ties.
     ties: Vec<u32>,
-    /// The fragments that this rank drew, if fragments are composited.
-    fragments: Frame,
     /// What it draws from.
     sorted: Sorted,
     last_frame: LastFrame,

@@ -144,7 +144,7 @@ pub fn run<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    let target = canvas.claim(tile);
+    let mut target = canvas.claim(tile);
     let triangles: usize = bins.iter().map(|b| b.triangles_in(tile).len()).sum();
     let clusters: usize = bins.iter().map(|b| b.clusters_in(tile).len()).sum();
     if let Some(full) = tally.full() {
@@ -212,7 +212,7 @@ pub fn finish<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    let target = canvas.claim(tile);
+    let mut target = canvas.claim(tile);
     if let Some(full) = tally.full() {
         full.tile(context, tile, true);
     }

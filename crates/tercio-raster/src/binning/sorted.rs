@@ -6,6 +6,7 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use super::{BinnedCluster, Bins};
 use crate::context::FrameContext;
+use crate::depth_bounds::{BLOCK_BITS, blocks_across};
 use crate::screen::{PixelRect, ScreenTriangle, TileGrid, TileSet};
 use crate::stats::{BinningCounts, FrontEndCounts, ratio};
 
@@ -155,6 +156,35 @@ impl Sorted {
             self.bins.iter().map(of_bins).sum()
         };
         (0..context.grid.count() as u32).map(of_tile).collect()
+    }
+
+    /// Raises the bounds of depth of a tile's blocks ([`DepthBounds`](crate::depth_bounds::DepthBounds)) to what may be drawn there.
+    pub fn raise_bounds(&self, context: &FrameContext, tile: u32, nearest: &mut [f32]) {
+        let [width, height] = context.size();
+        let own = context.grid.rect(tile, [width, height]);
+        let across = blocks_across(&context.grid);
+        let mut raise = |rect: PixelRect, depth: f32| {
+            let rect = rect.intersect(own);
+            if rect.is_empty() {
+                return;
+            }
+            let blocks = |first: i32, last: i32, origin: i32| {
+                ((first - origin) >> BLOCK_BITS) as usize..((last - origin) >> BLOCK_BITS) as usize + 1
+            };
+            for row in blocks(rect.y0, rect.y1, own.y0) {
+                for old in &mut nearest[row * across..][blocks(rect.x0, rect.x1, own.x0)] {
+                    *old = old.max(depth);
+                }
+            }
+        };
+        for bins in &self.bins {
+            bins.clusters_in(tile).iter().for_each(|cluster| raise(cluster.pixels(), cluster.nearest));
+            for triangle in bins.triangles_in(tile) {
+                if let Some(rect) = triangle.pixels(context.cells.origin, width, height) {
+                    raise(rect, triangle.d.into_iter().fold(0.0, f32::max));
+                }
+            }
+        }
     }
 
     /// The counts of binning.

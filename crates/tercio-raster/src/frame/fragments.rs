@@ -6,6 +6,11 @@
 //! numbers need more than 32; its normal and the number of its face, each if that plane is requested; and its depths, as `f32`, at the samples of its mask in ascending order. The bytes of a tile are those
 //! of its fragments in any order, in native byte order. Opaque ones are there at samples where they are the nearest, others
 //! where nothing opaque is in front of them.
+//!
+//! Ranks that know how near others draw ([`FrameContext::nearest_of_others`](crate::context::FrameContext::nearest_of_others))
+//! finish blocks of pixels instead, where these cannot draw anything that is seen. Of blocks in which others may draw something that is
+//! hidden, the owner is told: what stands for them among the fragments has no samples, the number of the first block as its place, and
+//! how many they are as the number of its primitive.
 
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
 
@@ -18,6 +23,19 @@ pub struct TileFragments {
     pub tile: u32,
     /// The fragments as bytes.
     pub bytes: Vec<u8>,
+    /// What is finished of the tile.
+    pub finished: FinishedPart,
+}
+
+/// The part of a tile that is finished without other ranks: its pixels are in the planes of the frame, which has the background in
+/// all others of the tile.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FinishedPart {
+    /// Pixels that show something.
+    pub pixels: u64,
+    /// The finished blocks in which other ranks may draw something that is hidden, one bit each, the first block of the tile lowest;
+    /// empty if there are none.
+    pub hides: Vec<u8>,
 }
 
 /// The fragments of a tile that several ranks have drawn.
@@ -27,6 +45,9 @@ pub struct FragmentsOfTile<'a> {
     pub tile: u32,
     /// Bytes of fragments.
     pub parts: Vec<&'a [u8]>,
+    /// The frame has finished pixels of the tile: those in which there is no fragment keep their values. Otherwise they get the
+    /// background.
+    pub has_finished: bool,
 }
 
 /// What every fragment has.
@@ -81,6 +102,16 @@ pub enum FragmentError {
         place: u16,
         /// Its samples.
         mask: u16,
+    },
+    /// Finished blocks that the tile does not have.
+    #[error("fragments of tile {tile}, byte {at}: the finished blocks from {first} on are not in the tile")]
+    Blocks {
+        /// The tile.
+        tile: u32,
+        /// Offset of what stands for them.
+        at: usize,
+        /// The first of them.
+        first: u16,
     },
     /// A fragment that is not opaque, in a scene in which everything is.
     #[error("fragments of tile {tile}, byte {at}: not opaque, in a scene in which everything is")]

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use tercio_scene::{Background, srgb_to_linear};
 
 use super::shared::SharedPlane;
-use super::{Frame, NO_PRIMITIVE, TileFragments};
+use super::{FinishedPart, Frame, NO_PRIMITIVE, TileFragments};
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
@@ -167,7 +167,11 @@ macro_rules! planes {
                 height: u32,
                 needs_linear: bool,
             ) -> Vec<Self> {
-                rows.map(|y| Self::of_row(&BackgroundRow::new(background, y, height, needs_linear))).collect()
+                let of = |y: u32| Self::of_row(&BackgroundRow::new(background, y, height, needs_linear));
+                match background {
+                    Background::Solid(_) => vec![of(0); rows.len()],
+                    Background::Gradient { .. } => rows.map(of).collect(),
+                }
             }
 
             fn of_row(row: &BackgroundRow) -> Self {
@@ -204,6 +208,17 @@ macro_rules! planes {
                 $(
                     // SAFETY: the caller upholds the same contract.
                     unsafe { copy(&tile.$name, stride, rect, &self.$name) };
+                )*
+            }
+
+            /// Copies the pixels of a rectangle of the picture to a tile, whose rows are `stride` pixels apart.
+            ///
+            /// # Safety
+            /// No other thread accesses this rectangle.
+            unsafe fn read(&self, tile: &mut Planes, stride: usize, rect: PixelRect) {
+                $(
+                    // SAFETY: the caller upholds the same contract.
+                    unsafe { copy_back(&mut tile.$name, stride, rect, &self.$name) };
                 )*
             }
         }
@@ -302,6 +317,21 @@ unsafe fn copy<T: Copy>(tile: &[T], stride: usize, rect: PixelRect, plane: &Shar
     for (row, y) in tile.chunks_exact(stride).zip(rect.y0..) {
         // SAFETY: the caller guarantees that no other thread accesses the rectangle, and the row is released at once.
         unsafe { plane.row(rect.x0 as usize, y as usize, width) }.copy_from_slice(&row[..width]);
+    }
+}
+
+/// Copies the rows of a rectangle of a plane to a tile.
+///
+/// # Safety
+/// No other thread accesses this rectangle.
+unsafe fn copy_back<T: Copy>(tile: &mut [T], stride: usize, rect: PixelRect, plane: &SharedPlane<T>) {
+    if !plane.is_wanted() {
+        return;
+    }
+    let width = (rect.x1 - rect.x0 + 1) as usize;
+    for (row, y) in tile.chunks_exact_mut(stride).zip(rect.y0..) {
+        // SAFETY: the caller guarantees that no other thread accesses the rectangle, and the row is released at once.
+        row[..width].copy_from_slice(unsafe { plane.row(rect.x0 as usize, y as usize, width) });
     }
 }
 
@@ -422,21 +452,32 @@ impl CanvasTile<'_> {
     }
 
     /// Fills the tile of the picture with the background.
-    pub fn write_background(self) {
+    pub fn write_background(&mut self) {
         // SAFETY: as in `write`.
         unsafe { self.canvas.planes.fill(self.background(), self.rect) };
     }
 
-    /// Keeps the fragments of the tile, instead of its pixels.
-    pub fn keep(self, bytes: Vec<u8>) {
-        if !bytes.is_empty() {
+    /// Keeps the fragments of the tile, and what is finished of it.
+    pub fn keep(self, finished: FinishedPart, bytes: Vec<u8>) {
+        if finished.pixels > 0 || !bytes.is_empty() {
             let mut fragments = self.canvas.fragments.lock().unwrap_or_else(|e| e.into_inner());
-            fragments.push(TileFragments { tile: self.tile, bytes });
+            fragments.push(TileFragments { tile: self.tile, bytes, finished });
         }
     }
 
+    /// The number of the tile.
+    pub fn number(&self) -> u32 {
+        self.tile
+    }
+
+    /// Copies the pixels of the tile from the picture, to where rows are `stride` pixels apart.
+    pub fn read(&mut self, pixels: &mut Planes, stride: usize) {
+        // SAFETY: as in `write`.
+        unsafe { self.canvas.planes.read(pixels, stride, self.rect) };
+    }
+
     /// Copies the pixels to the picture.
-    pub fn write(self, pixels: &Planes, stride: usize) {
+    pub fn write(&mut self, pixels: &Planes, stride: usize) {
         // SAFETY: the tiles of a grid do not overlap, and each can be claimed only once.
         unsafe { self.canvas.planes.write(pixels, stride, self.rect) };
     }

@@ -2,14 +2,15 @@
 
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
+use super::finished::{FinishedBlocks, blocks_of};
 use super::fragments::{Fragment, NO_FRAGMENT};
 use super::memory::SampleMemory;
 use super::shade::is_needed;
 use crate::context::FrameContext;
+use crate::depth_bounds::BLOCK_BITS;
 use crate::frame::fragments::{FragmentError, FragmentHead, FragmentsOfTile, TileFragment, write_fragment};
 use crate::frame::{FragmentLayout, Outputs, wide_key};
 use crate::sampling::MAX_SAMPLES;
-use crate::simd::LANES;
 
 /// The triangle of a fragment that another rank has drawn.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,9 @@ pub struct Origin {
     /// Number of its face, if that is requested.
     pub face: u32,
 }
+
+/// Pixels that are written one after the other: across a block.
+const BLOCK: usize = 1 << BLOCK_BITS;
 
 /// Writes the visible fragments of pixels.
 struct Visible<'a> {
@@ -91,17 +95,27 @@ impl SampleMemory {
         origin.map_or_else(|| context.primitive(slot), |origin| origin.primitive)
     }
 
-    /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]).
-    pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
+    /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]), but for those of
+    /// finished blocks.
+    pub fn write_bytes(
+        &self,
+        context: &FrameContext,
+        outputs: &Outputs,
+        finished: &FinishedBlocks,
+        out: &mut Vec<u8>,
+    ) {
         let layout = context.fragment_layout(outputs);
         let mut visible = Visible { context, layout, is_shaded: is_needed(outputs), known: None };
         // Each sample may be a fragment of its own.
-        let most = LANES * (layout.bytes(1) << self.count_bits);
+        let most = BLOCK * (layout.bytes(1) << self.count_bits);
         for row in 0..(self.rect.y1 - self.rect.y0 + 1) as usize {
             let first = row << self.stride_bits;
             let pixels = first..first + (self.rect.x1 - self.rect.x0 + 1) as usize;
-            for some in pixels.clone().step_by(LANES) {
-                let some = some..(some + LANES).min(pixels.end);
+            for some in pixels.clone().step_by(BLOCK) {
+                let some = some..(some + BLOCK).min(pixels.end);
+                if finished.contains([some.start - first, row]) {
+                    continue;
+                }
                 let samples = some.start << self.count_bits..some.end << self.count_bits;
                 // Most of a picture that a rank has drawn alone is empty.
                 if self.fragment[samples].iter().fold(NO_FRAGMENT, |all, f| all & f) == NO_FRAGMENT {
@@ -141,15 +155,18 @@ impl SampleMemory {
         };
         // Layers follow, once it is known what is opaque: there may be many, so only their places are noted.
         let mut layers = Vec::new();
+        let mut finished = Vec::new();
         for (part, bytes) in of.parts.iter().enumerate() {
             let mut at = 0;
             while at < bytes.len() {
                 let (fragment, behind) = read(part, at)?;
                 let FragmentHead { place, mask, color, .. } = fragment.head;
-                if !self.has_samples(place, mask) {
+                if mask == 0 {
+                    let known = blocks_of(context, &fragment.head).filter(|_| !context.is_translucent());
+                    finished.push(known.ok_or(FragmentError::Blocks { tile, at, first: place })?);
+                } else if !self.has_samples(place, mask) {
                     return Err(FragmentError::Place { tile, at, place, mask });
-                }
-                if color[3] == 1.0 {
+                } else if color[3] == 1.0 {
                     self.add(outputs, &fragment);
                 } else if context.is_translucent() {
                     layers.push((part, at));
@@ -159,6 +176,7 @@ impl SampleMemory {
                 at = bytes.len() - behind.len();
             }
         }
+        finished.into_iter().flatten().for_each(|number| self.clear_block(context, number));
         for (part, at) in layers {
             self.add_layer(context, &read(part, at)?.0);
         }

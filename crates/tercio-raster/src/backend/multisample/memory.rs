@@ -9,13 +9,12 @@ use super::layers::Layers;
 use super::load::Origin;
 use super::stamps::MOST_ROWS;
 use crate::context::FrameContext;
+use crate::depth_bounds::{BLOCK_BITS, blocks_across};
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, baseline, live_lanes, splat, splat_i};
 
-/// log2 of the edge of the blocks of pixels whose depths are remembered.
-const BLOCK_BITS: u32 = 3;
-/// Blocks across and down.
+/// Blocks of pixels, whose depths are remembered, across and down.
 const BLOCKS: usize = MOST_ROWS.div_ceil(1 << BLOCK_BITS);
 
 /// Depth and fragment of every sample of a tile.
@@ -90,6 +89,13 @@ impl SampleMemory {
         self.fragment.resize(samples, NO_FRAGMENT);
         self.known.clear();
         self.known.resize(BLOCKS * BLOCKS, -1.0);
+        if let Some(others) = context.nearest_of_others(tile) {
+            // What another rank has finished hides all.
+            let across = blocks_across(&context.grid);
+            for (number, _) in others.iter().enumerate().filter(|(_, nearest)| **nearest == f32::INFINITY) {
+                self.known[number / across * BLOCKS + number % across] = f32::INFINITY;
+            }
+        }
         self.list.clear();
         if context.is_translucent() {
             let depths_each = if self.is_by_sample { 1 } else { cells.count };
@@ -144,7 +150,7 @@ impl SampleMemory {
 
     /// Is every sample of some pixels nearer than this depth? Columns and rows are those in memory.
     #[inline(always)]
-    fn are_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
+    pub fn are_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
         let depth = splat(simd, depth);
         let lanes = i32x16::load_array(simd, LANE_NUMBERS);
         let samples = (rect.x1 - rect.x0 + 1) << self.count_bits;

@@ -9,6 +9,7 @@
 
 mod blend;
 mod few;
+mod finished;
 mod fragments;
 mod layers;
 mod load;
@@ -33,13 +34,14 @@ use crate::backend::corners::Fragments;
 use crate::backend::tally::Tally;
 use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
-use crate::frame::{Canvas, CanvasTile, FragmentError, FragmentsOfTile, Outputs, Planes};
+use crate::frame::{Canvas, CanvasTile, FinishedPart, FragmentError, FragmentsOfTile, Outputs, Planes};
 use crate::projection::LocalVertices;
 use crate::screen::ScreenTriangle;
 use crate::settings::{LastStage, Part};
 use crate::simd::part;
 use crate::stats::BackEndCounts;
 use few::{FEW, FewHits};
+use finished::FinishedBlocks;
 use memory::SampleMemory;
 use scan::Hits;
 use sink::{Opaque, Sink, Translucent};
@@ -60,6 +62,7 @@ pub struct Scratch {
     blend_order: blend::Order,
     /// The fragments of the tile as bytes, if the frame keeps them.
     kept: Vec<u8>,
+    finished: FinishedBlocks,
 }
 
 /// Draws a part of a tile's entries. Not inlined, so that it is compiled only once per SIMD level.
@@ -315,7 +318,7 @@ pub fn finish<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     scratch: &mut Scratch,
-    target: CanvasTile,
+    mut target: CanvasTile,
     pixels: &mut Planes,
     outputs: &Outputs,
     tally: &mut T,
@@ -328,17 +331,29 @@ pub fn finish<S: Simd, T: Tally>(
     shade::late_fragments(simd, context, scratch, outputs, tally.counts());
     if context.settings.keep_fragments {
         tally.counts().pixels_visible += visible(simd, &scratch.memory);
-        scratch.memory.write_bytes(context, outputs, &mut scratch.kept);
-        if context.is_translucent() {
+        let Scratch { memory, kept, finished, .. } = scratch;
+        let hides = finished.find(simd, context, memory, target.number(), outputs, kept);
+        memory.write_bytes(context, outputs, finished, kept);
+        let bytes = if context.is_translucent() {
             // There may be many layers: they are not copied.
-            target.keep(std::mem::take(&mut scratch.kept));
+            std::mem::take(kept)
         } else {
-            target.keep(scratch.kept.as_slice().into());
-            scratch.kept.clear();
+            let bytes = kept.as_slice().into();
+            kept.clear();
+            bytes
+        };
+        let mut part = FinishedPart { pixels: 0, hides };
+        if finished.any() {
+            finished.retain(memory);
+            part.pixels = write(simd, context, memory, &mut target, false, pixels, outputs);
+        } else {
+            target.write_background();
         }
+        target.keep(part, bytes);
         return;
     }
-    tally.counts().pixels_visible += write(simd, context, scratch, target, pixels, outputs);
+    tally.counts().pixels_visible +=
+        write(simd, context, &scratch.memory, &mut target, false, pixels, outputs);
 }
 
 /// Number of pixels of the tile in which something is drawn. Not inlined, so that it is compiled only once per SIMD level.
@@ -366,7 +381,9 @@ pub fn merge<S: Simd>(
     let outputs = canvas.outputs();
     let Scratch { memory, blend_order, .. } = &mut *scratch;
     if tile.parts.is_empty() {
-        canvas.claim(tile.tile).write_background();
+        if !tile.has_finished {
+            canvas.claim(tile.tile).write_background();
+        }
         return Ok(0);
     }
     memory.load(context, tile)?;
@@ -378,23 +395,27 @@ pub fn merge<S: Simd>(
             || blend::slice(simd, context, memory, blend_order),
         );
     }
-    Ok(write(simd, context, scratch, canvas.claim(tile.tile), pixels, outputs))
+    Ok(write(simd, context, memory, &mut canvas.claim(tile.tile), tile.has_finished, pixels, outputs))
 }
 
 /// Writes a tile, whose fragments are shaded and blended, to the picture, and returns the number of pixels in which something
-/// is drawn.
+/// is drawn. The others get the background, or, if the tile `has_finished` ones, keep their values.
 fn write<S: Simd>(
     simd: S,
     context: &FrameContext,
-    scratch: &Scratch,
-    target: CanvasTile,
+    memory: &SampleMemory,
+    target: &mut CanvasTile,
+    has_finished: bool,
     pixels: &mut Planes,
     outputs: &Outputs,
 ) -> u64 {
     let stride = (1 << context.grid.shift) * context.settings.elements_per_pixel() as usize;
     target.clear(pixels, stride);
+    if has_finished {
+        target.read(pixels, stride);
+    }
     let background = target.background();
-    let drawn = resolve::tile(simd, context, &scratch.memory, background, stride, pixels, outputs);
+    let drawn = resolve::tile(simd, context, memory, background, stride, pixels, outputs);
     target.write(pixels, stride);
-    drawn.unwrap_or_else(|| visible(simd, &scratch.memory))
+    drawn.unwrap_or_else(|| visible(simd, memory))
 }

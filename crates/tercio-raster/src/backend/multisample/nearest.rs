@@ -46,9 +46,10 @@ impl NearestOfRow {
     /// Writes the distances of pixels in which something was drawn.
     #[inline(always)]
     pub fn write_distances(&self, view: &View, to: &mut [f32]) {
-        let mut distances = [0.0; LANES];
+        let mut distances = [f32::INFINITY; LANES];
+        distances[..to.len()].copy_from_slice(to);
         for (distance, &depth) in distances.iter_mut().zip(&self.depth) {
-            *distance = if depth > 0.0 { view.distance(depth) } else { f32::INFINITY };
+            *distance = if depth > 0.0 { view.distance(depth) } else { *distance };
         }
         to.copy_from_slice(&distances[..to.len()]);
     }
