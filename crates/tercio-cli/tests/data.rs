@@ -101,6 +101,10 @@ fn colors_that_name_values_are_those_of_categories() {
     let (one, told) = draw("one.json", "");
     assert!(has(&one, [255, 0, 0]) > 1000 && has(&one, [255, 255, 0]) > 1000, "7 has the colour of NaN");
     assert!(told.contains("one.json does not name"), "{told}");
+    let idle = "\"9\",\"skin\",\"x\",\"no number\",\"7\",\"bone\",\"9\",\"again\"";
+    fs::write(place.path("idle.json"), map(idle)).unwrap();
+    let (_, told) = draw("idle.json", "");
+    assert!(told.contains("2 of the annotations of idle.json") && told.contains("\"no number\""), "{told}");
     let (_, told) = draw("all.json", "--range 7,9");
     assert!(told.contains("labels are left out"), "{told}");
     // The models of a sheet are alike.

@@ -493,6 +493,14 @@ impl DataArgs {
                     "\"{by}\" has values that {map} does not name: they have the colour of what is not a number (--nan-color)"
                 ));
             }
+            let mut idle = colors.map.idle_annotations();
+            if let Some(first) = idle.next() {
+                let count = 1 + idle.count();
+                notes.push(format!(
+                    "{count} of the annotations of {map} are of what is no number, or of values that have one before, and are left out: the first is \"{}\"",
+                    first.label
+                ));
+            }
         }
         instance.data = data.surface;
         Ok((data.strokes, notes))

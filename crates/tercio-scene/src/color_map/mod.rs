@@ -16,6 +16,8 @@ mod named;
 mod parse;
 mod scale;
 
+use std::collections::HashSet;
+
 pub use data_colors::{Category, DataColors, Isolines};
 pub use parse::ColorMapError;
 pub use scale::Scale;
@@ -106,6 +108,14 @@ impl ColorMap {
     /// The values that its first colours are for, one by one: those that a categorical map of ParaView names.
     pub fn annotations(&self) -> &[Annotation] {
         &self.annotations
+    }
+
+    /// Annotations without effect: of what is no number, or of a value that another one before them names.
+    pub fn idle_annotations(&self) -> impl Iterator<Item = &Annotation> {
+        let mut named = HashSet::new();
+        // -0 is 0.
+        let mut is_new = move |value: f64| named.insert((value + 0.0).to_bits());
+        self.annotations.iter().filter(move |annotation| !annotation.value.is_some_and(&mut is_new))
     }
 
     /// Whether it says for which values its colours are: values that it does not name have none of them.

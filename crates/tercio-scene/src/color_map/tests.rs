@@ -124,6 +124,10 @@ fn categorical_maps_of_paraview_are_lists_of_colors() {
     // Beyond the last colour they begin again, as in ParaView.
     let expected = [(Some(4.0), "bone"), (None, "text"), (Some(1.5), ""), (Some(7.0), "the first again")];
     assert_eq!(annotations, expected);
+    assert!(map.idle_annotations().map(|a| &*a.label).eq(["text"]));
+    let twice =
+        parse(&format!("{{{colors},\"Annotations\":[\"0\",\"a\",\"-0\",\"b\",\"1\",\"c\",\"1.0\",\"d\"]}}"));
+    assert!(twice.expect("a map").idle_annotations().map(|a| &*a.label).eq(["b", "d"]));
     assert_eq!(map.special().nan, Some([255, 255, 0, 255]));
     // A map that has both says which counts.
     let both = |more: &str| {
