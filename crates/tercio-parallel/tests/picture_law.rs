@@ -140,24 +140,36 @@ fn what_another_rank_hides_is_not_drawn() {
         shift: [0.0; 2],
     };
     // The first rank draws the sphere in front, the other one that behind it.
-    let drawn = |sampling: Sampling| {
+    let drawn = |scene: &Scene, sampling: Sampling, composition: Composition| {
         let settings = Settings { sampling, tile_size: Some(32), ..Settings::new(203, 190) };
-        let ranks = Ranks { count: 2, threads: 1, sharing: Organisation::SortLast.into() };
-        let report = check(&scene, &camera, &settings, ranks, "behind");
-        report
-            .ranks
-            .iter()
-            .map(|rank| (rank.frame.backend.clusters_drawn, rank.pixels.fragment_bytes))
-            .collect::<Vec<_>>()
+        let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+        let ranks = Ranks { count: scene.instances.len(), threads: 1, sharing };
+        let report = check(scene, &camera, &settings, ranks, "behind");
+        let of_rank = |rank: &RankReport| (rank.frame.backend.clusters_drawn, rank.pixels.fragment_bytes);
+        report.ranks.iter().map(of_rank).collect::<Vec<_>>()
     };
-    let (found, tent) =
-        (drawn(Sampling::default()), drawn(Sampling { filter: Filter::Tent, ..Sampling::default() }));
-    for rank in 0..2 {
-        assert_eq!(found[rank].0 > 0, rank == 0, "rank {rank} draws {} clusters", found[rank].0);
-        assert!(tent[rank].0 > 0, "rank {rank} with a wide filter");
+    let tent = Sampling { filter: Filter::Tent, ..Sampling::default() };
+    for composition in Composition::ALL {
+        let (found, all) =
+            (drawn(&scene, Sampling::default(), composition), drawn(&scene, tent, composition));
+        for rank in 0..2 {
+            assert_eq!(found[rank].0 > 0, rank == 0, "rank {rank} draws {} clusters", found[rank].0);
+            assert!(all[rank].0 > 0, "rank {rank} with a wide filter");
+        }
+        let bytes = |of: &[(u64, u64)]| of.iter().map(|(_, bytes)| bytes).sum::<u64>();
+        assert!(4 * bytes(&found) < bytes(&all), "{} and {} bytes", bytes(&found), bytes(&all));
+        // A rank that has no tile in common with these two, and is rank 0.
+        let mut apart = scene.clone();
+        let aside = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(0.1),
+            DQuat::IDENTITY,
+            DVec3::new(-1.3, -1.2, 0.0) * radius,
+        );
+        apart.instances.insert(0, Instance { world_from_object: aside, ..scene.instances[0].clone() });
+        let found = drawn(&apart, Sampling::default(), composition);
+        assert!(found[0].0 > 0 && found[1].0 > 0 && found[2].0 == 0, "{composition}: {found:?}");
+        assert_eq!(found[0].1, 0, "{composition}: {found:?}");
     }
-    let bytes = |of: &[(u64, u64)]| of.iter().map(|(_, bytes)| bytes).sum::<u64>();
-    assert!(4 * bytes(&found) < bytes(&tent), "{} and {} bytes", bytes(&found), bytes(&tent));
 }
 
 /// Ranks send the layers of what is not opaque, in one round or in many.
@@ -344,6 +356,8 @@ fn a_thousand_ranks() {
     let composition = Composition::radix_k(8);
     let sharing = Sharing { composition, ..Organisation::SortLast.into() };
     check(&scene, &camera, &settings, Ranks { count: 1024, threads: 1, sharing }, "a thousand ranks");
+    let samples = Settings { sampling: Sampling::of(SamplePattern::Sparse2), ..settings };
+    check(&scene, &camera, &samples, Ranks { count: 200, threads: 1, sharing }, "samples of many ranks");
 }
 
 #[test]

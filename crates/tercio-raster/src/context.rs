@@ -56,7 +56,9 @@ pub struct FrameContext<'a> {
     pub shading_distance: f32,
     /// The part of the picture whose colour a shaded point has.
     pub(crate) footprint: Footprint,
-    /// Of a frame that keeps fragments, how near other ranks draw, in each block of pixels of the tiles that this is known of.
+    /// How near other ranks draw, in each block of pixels of the tiles that this is known of. A frame that keeps fragments then has
+    /// planes, too, for the blocks that are finished without other ranks; otherwise, and where [`Self::has_blocks`] is not so, it has
+    /// no effect.
     pub nearest_of_others: Option<DepthBounds>,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
@@ -170,12 +172,16 @@ impl<'a> FrameContext<'a> {
                 .colors_are_translucent(instance.mesh.clusters()[number].is_translucent() || of_materials())
     }
 
-    /// How near other ranks draw in each block of a tile ([`DepthBounds`]), if that is known and pixels depend on nothing but what is in
-    /// their block: not where a filter is wider than a pixel, nor where there may be layers.
+    /// Do pixels depend on nothing but the opaque fragments in them? Not where a filter is wider than a pixel, nor where there may be layers.
+    pub fn has_blocks(&self) -> bool {
+        self.filter.taps.is_empty() && !self.is_translucent
+    }
+
+    /// How near other ranks draw in each block of a tile, if that is known and has an effect.
     #[inline(always)]
-    pub(crate) fn nearest_of_others(&self, tile: u32) -> Option<&[f32]> {
-        let is_by_block = self.filter.taps.is_empty() && !self.is_translucent;
-        self.nearest_of_others.as_ref().filter(|_| is_by_block)?.of(tile)
+    pub(crate) fn others_in(&self, tile: u32) -> Option<&[f32]> {
+        let counts = self.settings.keep_fragments && self.has_blocks();
+        self.nearest_of_others.as_ref().filter(|_| counts)?.of(tile)
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.

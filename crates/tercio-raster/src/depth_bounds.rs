@@ -55,6 +55,6 @@ impl DepthBounds {
 
     /// The bounds of all tiles, to be set.
     pub fn tiles_mut(&mut self) -> impl Iterator<Item = (u32, &mut [f32])> {
-        self.tiles.iter().copied().zip(self.depths.chunks_exact_mut(self.blocks))
+        self.tiles.iter().copied().zip(self.depths.chunks_exact_mut(self.blocks.max(1)))
     }
 }

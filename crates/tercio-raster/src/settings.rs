@@ -191,7 +191,8 @@ pub struct Settings {
     /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For programs that
     /// filter them themselves, and for tests.
     pub unresolved: bool,
-    /// Keeps the fragments of the tiles ([`Frame::fragments`](crate::Frame::fragments)), and has no planes. For pictures
+    /// Keeps the fragments of the tiles ([`Frame::fragments`](crate::Frame::fragments)), and has no planes, unless other ranks are known
+    /// ([`FrameContext::nearest_of_others`](crate::context::FrameContext::nearest_of_others)). For pictures
     /// that are made from the fragments of several ranks, by [`Renderer::merge`](crate::Renderer::merge).
     pub keep_fragments: bool,
     /// The planes of the frame to draw.

@@ -115,7 +115,13 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
     for (sampling, tells) in
         samplings().into_iter().flat_map(|sampling| [false, true].map(|tells| (sampling, tells)))
     {
-        for (outputs, size) in [(Outputs::ALL, 32), (Outputs::default(), 64), (Outputs::default(), 8)] {
+        // Of the largest tiles several workers draw parts.
+        for (outputs, size, workers) in [
+            (Outputs::ALL, 32, 1),
+            (Outputs::default(), 64, 2),
+            (Outputs::default(), 8, 1),
+            (Outputs::ALL, 128, 3),
+        ] {
             let settings = Settings { sampling, outputs, tile_size: Some(size), ..everything(157, 103) };
             let expected = draw(&scene, &camera, &settings);
             let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
@@ -136,7 +142,7 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
                 }
                 let clusters = Part { number: number as u32, of: PARTS };
                 let own = Settings { clusters, keep_fragments: true, ..settings.clone() };
-                let mut own = FrameContext::new(&scene, &camera, &own, 1).expect("a frame");
+                let mut own = FrameContext::new(&scene, &camera, &own, workers).expect("a frame");
                 own.nearest_of_others = Some(others);
                 let (mut renderer, mut sorted, mut frame) =
                     (Renderer::new(), Sorted::default(), Frame::default());

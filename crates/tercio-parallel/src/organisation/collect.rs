@@ -1,6 +1,7 @@
 //! Finished pixels, sent to rank 0.
 //!
-//! Only pixels that differ from the background are sent: rank 0 fills the tiles of the others with it first.
+//! Only pixels that differ from the background are sent: rank 0 fills the tiles of the others with it first. So several ranks may
+//! have finished pixels of one tile.
 
 use tercio_mesh::loops::prelude::*;
 use tercio_raster::context::FrameContext;
@@ -14,7 +15,7 @@ use crate::{ParallelError, RankReport};
 
 /// What a rank has finished.
 pub struct Finished<'a> {
-    /// Tiles whose pixels in the frame are those of the picture.
+    /// Tiles whose pixels in the frame are those of the picture, or the background where other ranks have them.
     pub tiles: &'a [u32],
     /// Further tiles as packets of the [`composited_planes`].
     pub packets: Parts,

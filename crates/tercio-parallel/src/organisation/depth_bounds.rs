@@ -1,16 +1,16 @@
 //! How near ranks may draw in the tiles that several of them have, exchanged before they draw these.
 //!
-//! Each rank sends the bounds of its blocks to the owner of their tile, and gets for each block how near any other rank may draw: at
-//! most two messages for each pair of ranks, and two bytes a block each way.
+//! Each rank sends the bounds of its blocks to the owner of their tile, 2 bytes each. The owner replies with the rank that is in front in
+//! the tile, 4 bytes, and for each block how near any other rank may draw, 2 bytes: at most two messages each way between two ranks.
 
 use std::collections::BTreeMap;
-use std::slice::ChunksExact;
 
 use bytemuck::pod_read_unaligned;
 use tercio_mesh::loops::prelude::*;
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
 use tercio_raster::depth_bounds::DepthBounds;
+use tercio_raster::screen::TileGrid;
 
 use crate::ParallelError;
 use crate::comm::Communicator;
@@ -24,8 +24,8 @@ const BYTES: usize = size_of::<u16>();
 /// The bounds of this rank's own blocks, which the owners of the tiles have been sent.
 pub struct Own {
     bounds: DepthBounds,
-    /// The rank that owns each of the shared tiles.
-    owners: Vec<usize>,
+    /// The tiles, by their owners.
+    by_owner: BTreeMap<usize, Vec<u32>>,
 }
 
 /// Finds how near this rank may draw in the shared tiles that it has, from what is sorted into them, and sends it to their owners.
@@ -40,25 +40,27 @@ pub fn send(
     stages: &mut RankStages,
 ) -> Result<Own, ParallelError> {
     let rank = comm.rank();
-    let owners =
-        Composition::DirectSend.owners(shared).into_iter().map(|place| shared.ranks[place]).collect();
-    let bounds = stages.compose.time(|| {
+    let own = stages.compose.time(|| {
         let mut bounds = DepthBounds::new(&context.grid, shared.tiles_of(rank));
         let tiles: Vec<(u32, &mut [f32])> = bounds.tiles_mut().collect();
         tiles.into_par_iter().for_each(|(tile, of)| {
             sorted.raise_bounds(context, tile, of);
             of.iter_mut().for_each(|depth| *depth = rounded(*depth));
         });
-        bounds
-    });
-    let own = Own { bounds, owners };
-    for (owner, tiles) in own.by_owner(shared, rank) {
-        if owner != rank {
-            let mut message = comm.buffer(owner);
-            let bounds = tiles.iter().filter_map(|&tile| own.bounds.of(tile)).flatten();
-            bounds.for_each(|&depth| put(depth, &mut message));
-            comm.send(owner, message)?;
+        let mut by_owner = BTreeMap::<usize, Vec<u32>>::new();
+        for (&tile, owner) in shared.tiles.iter().zip(Composition::DirectSend.owners(shared)) {
+            if shared.touched.is_touched(rank, tile) {
+                by_owner.entry(shared.ranks[owner]).or_default().push(tile);
+            }
         }
+        Own { bounds, by_owner }
+    });
+    for (&owner, tiles) in own.by_owner.iter().filter(|(owner, _)| **owner != rank) {
+        // These messages are small: memory of earlier ones is for the large ones.
+        let mut message = Vec::new();
+        let bounds = tiles.iter().filter_map(|&tile| own.bounds.of(tile)).flatten();
+        bounds.for_each(|&depth| put(depth, &mut message));
+        comm.send(owner, message)?;
     }
     Ok(own)
 }
@@ -78,82 +80,66 @@ impl Own {
     /// # Errors
     /// [`ParallelError::Comm`], [`ParallelError::Packet`].
     pub fn receive(
-        self,
+        mut self,
         comm: &mut impl Communicator,
         context: &FrameContext,
         shared: &Shared,
         stages: &mut RankStages,
     ) -> Result<Others, ParallelError> {
         let (rank, grid) = (comm.rank(), &context.grid);
-        // Of the tiles that this rank owns, the bounds of all ranks that have some of them; this rank has all.
+        // Owners have all of their tiles.
+        let owned = self.by_owner.remove(&rank).unwrap_or_default();
         let mut known = Vec::new();
         for &from in shared.ranks {
-            let tiles = self.owned_by(rank, shared, from);
+            let is_theirs = |tile: &u32| shared.touched.is_touched(from, *tile);
+            let tiles: Vec<u32> = owned.iter().copied().filter(is_theirs).collect();
             if tiles.is_empty() {
                 continue;
             }
             let mut bounds = DepthBounds::new(grid, tiles);
             if from == rank {
-                bounds
-                    .tiles_mut()
-                    .for_each(|(tile, to)| to.copy_from_slice(self.bounds.of(tile).unwrap_or_default()));
+                let of = |tile: u32| self.bounds.of(tile).unwrap_or_default();
+                bounds.tiles_mut().for_each(|(tile, to)| to.copy_from_slice(of(tile)));
             } else {
                 let message = stages.wait.time(|| comm.receive(from))?;
-                let done = read(&mut message.chunks_exact(BYTES), &mut bounds);
-                done.ok_or_else(|| malformed(from))?;
-                comm.give_back(from, message);
+                read(&message, &mut bounds).ok_or_else(|| malformed(from))?;
             }
             known.push((from, bounds));
         }
-        let nearest = stages.compose.time(|| Nearest::of(&known));
+        let nearest = stages.compose.time(|| Nearest::of(grid, owned, &known));
         let mut others = Others {
-            bounds: DepthBounds::new(grid, self.bounds.tiles().to_vec()),
             fronts: vec![rank; self.bounds.tiles().len()],
+            bounds: DepthBounds::new(grid, self.bounds.tiles().to_vec()),
         };
         for (to, bounds) in known {
-            let mut message = if to == rank { Vec::new() } else { comm.buffer(to) };
+            let mut message = Vec::new();
             nearest.reply(&bounds, &mut message);
             match to == rank {
-                true => others.read(bounds.tiles(), &message).ok_or_else(|| malformed(rank))?,
+                true => others.read(shared, bounds.tiles(), &message).ok_or_else(|| malformed(rank))?,
                 false => comm.send(to, message)?,
             }
         }
-        for (from, tiles) in self.by_owner(shared, rank).into_iter().filter(|(from, _)| *from != rank) {
+        for (from, tiles) in self.by_owner {
             let message = stages.wait.time(|| comm.receive(from))?;
-            others.read(&tiles, &message).ok_or_else(|| malformed(from))?;
-            comm.give_back(from, message);
+            others.read(shared, &tiles, &message).ok_or_else(|| malformed(from))?;
         }
         Ok(others)
-    }
-
-    /// The shared tiles that `rank` has, by their owners.
-    fn by_owner(&self, shared: &Shared, rank: usize) -> BTreeMap<usize, Vec<u32>> {
-        let mut by_owner = BTreeMap::<usize, Vec<u32>>::new();
-        for (&tile, &owner) in shared.tiles.iter().zip(&self.owners) {
-            if shared.touched.is_touched(rank, tile) {
-                by_owner.entry(owner).or_default().push(tile);
-            }
-        }
-        by_owner
-    }
-
-    /// The shared tiles that `owner` owns and `rank` has.
-    fn owned_by(&self, owner: usize, shared: &Shared, rank: usize) -> Vec<u32> {
-        self.by_owner(shared, rank).remove(&owner).unwrap_or_default()
     }
 }
 
 impl Others {
-    /// Reads what the owner of some tiles replied: of each the rank in front, and the bounds of its blocks.
-    fn read(&mut self, tiles: &[u32], message: &[u8]) -> Option<()> {
+    /// Reads what the owner of some tiles replied: of each the rank in front, and the bounds of its blocks; `None` if that cannot be.
+    fn read(&mut self, shared: &Shared, tiles: &[u32], message: &[u8]) -> Option<()> {
         let mut rest = message;
         for tile in tiles {
             let at = self.bounds.tiles().binary_search(tile).ok()?;
             let bounds = self.bounds.of_mut(*tile)?;
             let (head, body) = rest.split_at_checked(size_of::<u32>())?;
             let (halves, behind) = body.split_at_checked(bounds.len() * BYTES)?;
-            self.fronts[at] = pod_read_unaligned::<u32>(head) as usize;
-            read_tile(&mut halves.chunks_exact(BYTES), bounds)?;
+            let front = pod_read_unaligned::<u32>(head) as usize;
+            let is_there = shared.ranks.binary_search(&front).is_ok();
+            self.fronts[at] = (is_there && shared.touched.is_touched(front, *tile)).then_some(front)?;
+            read_tile(halves, bounds)?;
             rest = behind;
         }
         rest.is_empty().then_some(())
@@ -167,38 +153,29 @@ struct Nearest {
     /// How near any but one of those may that are as near.
     second: DepthBounds,
     /// The rank that is nearest in most blocks of each tile, and in how many.
-    fronts: Vec<(usize, usize)>,
+    fronts: Vec<Option<(usize, usize)>>,
 }
 
 impl Nearest {
-    /// Of some ranks; the first one that has all of the tiles says which they are.
-    fn of(ranks: &[(usize, DepthBounds)]) -> Self {
-        let Some((_, all)) = ranks.iter().max_by_key(|(_, bounds)| bounds.tiles().len()) else {
-            return Self {
-                first: DepthBounds::default(),
-                second: DepthBounds::default(),
-                fronts: Vec::new(),
-            };
-        };
-        let (mut first, mut second) = (all.clone(), all.clone());
-        first.tiles_mut().chain(second.tiles_mut()).for_each(|(_, of)| of.fill(0.0));
+    /// Of the tiles of an owner, and the bounds of all ranks that have some of them.
+    fn of(grid: &TileGrid, tiles: Vec<u32>, ranks: &[(usize, DepthBounds)]) -> Self {
+        let (mut first, mut second) = (DepthBounds::new(grid, tiles.clone()), DepthBounds::new(grid, tiles));
         for (_, bounds) in ranks {
             for ((tile, first), (_, second)) in first.tiles_mut().zip(second.tiles_mut()) {
-                for ((first, second), &depth) in
-                    first.iter_mut().zip(second).zip(bounds.of(tile).into_iter().flatten())
-                {
+                let own = bounds.of(tile).into_iter().flatten();
+                for ((first, second), &depth) in first.iter_mut().zip(second).zip(own) {
                     *second = second.max(depth.min(*first));
                     *first = first.max(depth);
                 }
             }
         }
-        let mut fronts = vec![(0, 0); first.tiles().len()];
+        let mut fronts = vec![None; first.tiles().len()];
         for (rank, bounds) in ranks {
             for (tile, front) in first.tiles().iter().zip(&mut fronts) {
                 let (Some(first), Some(own)) = (first.of(*tile), bounds.of(*tile)) else { continue };
                 let blocks = own.iter().zip(first).filter(|(own, first)| own == first && **own > 0.0).count();
-                if blocks > front.1 || front.1 == 0 {
-                    *front = (*rank, blocks);
+                if front.is_none_or(|(_, most)| blocks > most) {
+                    *front = Some((*rank, blocks));
                 }
             }
         }
@@ -208,13 +185,12 @@ impl Nearest {
     /// Appends the reply to a rank with these bounds: of each tile the rank in front, and how near others may draw.
     fn reply(&self, bounds: &DepthBounds, message: &mut Vec<u8>) {
         for &tile in bounds.tiles() {
-            let (Ok(at), Some(own)) = (self.first.tiles().binary_search(&tile), bounds.of(tile)) else {
-                continue;
-            };
-            message.extend((self.fronts[at].0 as u32).to_ne_bytes());
-            let nearest =
-                self.first.of(tile).unwrap_or_default().iter().zip(self.second.of(tile).unwrap_or_default());
-            for (own, (first, second)) in own.iter().zip(nearest) {
+            let Ok(at) = self.first.tiles().binary_search(&tile) else { continue };
+            let front = self.fronts[at].map_or(0, |(rank, _)| rank);
+            message.extend((front as u32).to_ne_bytes());
+            let [own, first, second] =
+                [bounds, &self.first, &self.second].map(|of| of.of(tile).unwrap_or_default());
+            for ((own, first), second) in own.iter().zip(first).zip(second) {
                 put(if own == first { *second } else { *first }, message);
             }
         }
@@ -235,14 +211,23 @@ fn put(depth: f32, message: &mut Vec<u8>) {
     message.extend(((depth.to_bits() >> 16) as u16).to_ne_bytes());
 }
 
-/// Reads the bounds of all tiles; `None` if there are fewer.
-fn read(halves: &mut ChunksExact<u8>, bounds: &mut DepthBounds) -> Option<()> {
-    bounds.tiles_mut().try_for_each(|(_, of)| read_tile(halves, of))
+/// Reads the bounds of all tiles; `None` if they are not as many, or not valid.
+fn read(message: &[u8], bounds: &mut DepthBounds) -> Option<()> {
+    let mut rest = message;
+    for (_, of) in bounds.tiles_mut() {
+        let (halves, behind) = rest.split_at_checked(of.len() * BYTES)?;
+        read_tile(halves, of)?;
+        rest = behind;
+    }
+    rest.is_empty().then_some(())
 }
 
-fn read_tile(halves: &mut ChunksExact<u8>, bounds: &mut [f32]) -> Option<()> {
-    for to in bounds {
-        *to = f32::from_bits(u32::from(pod_read_unaligned::<u16>(halves.next()?)) << 16);
+/// Reads the bounds of a tile; `None` if any is not valid.
+fn read_tile(halves: &[u8], bounds: &mut [f32]) -> Option<()> {
+    for (to, half) in bounds.iter_mut().zip(halves.chunks_exact(BYTES)) {
+        let depth = f32::from_bits(u32::from(pod_read_unaligned::<u16>(half)) << 16);
+        // Infinity is what ranks write themselves, for finished blocks.
+        *to = (depth.is_finite() && depth >= 0.0).then_some(depth)?;
     }
     Some(())
 }
@@ -251,9 +236,9 @@ fn read_tile(halves: &mut ChunksExact<u8>, bounds: &mut [f32]) -> Option<()> {
 mod tests {
     use proptest::prelude::*;
     use tercio_raster::TileSet;
-    use tercio_raster::screen::TileGrid;
 
     use super::*;
+    use crate::composite::Touched;
 
     proptest! {
         #[test]
@@ -281,13 +266,19 @@ mod tests {
                 }
                 known.push((10 + rank, bounds));
             }
-            let nearest = Nearest::of(&known);
+            let nearest = Nearest::of(&grid, vec![0, 1, 2], &known);
+            // Numbers of ranks are not their places.
+            let ranks = &ranks;
+            let touches = |rank: usize| move |tile: u32| rank == 10 || rank > 10 && ranks.get(rank - 10).is_some_and(|of| of.0 >> tile & 1 == 1);
+            let touched = Touched::new(3, (0..10 + known.len()).map(touches));
+            let among: Vec<usize> = known.iter().map(|(rank, _)| *rank).collect();
+            let shared = Shared { tiles: &[0, 1, 2], ranks: &among, touched: &touched };
             for (rank, bounds) in &known {
                 let mut message = Vec::new();
                 nearest.reply(bounds, &mut message);
                 let fresh = || Others { bounds: DepthBounds::new(&grid, vec![0, 1, 2]), fronts: vec![0; 3] };
                 let mut found = fresh();
-                found.read(bounds.tiles(), &message).expect("a reply");
+                found.read(&shared, bounds.tiles(), &message).expect("a reply");
                 for &tile in bounds.tiles() {
                     let others = known.iter().filter(|(other, _)| other != rank);
                     let all: Vec<&[f32]> = others.filter_map(|(_, bounds)| bounds.of(tile)).collect();
@@ -303,10 +294,18 @@ mod tests {
                     let front = known.iter().rev().max_by_key(nearer).expect("a rank").0;
                     prop_assert_eq!(found.fronts[tile as usize], front);
                 }
-                // Nothing is missing, and nothing more.
-                prop_assert!(bounds.tiles().is_empty() || fresh().read(bounds.tiles(), &message[1..]).is_none());
-                message.push(0);
-                prop_assert!(fresh().read(bounds.tiles(), &message).is_none());
+                // Nothing is missing, nothing more, and nothing that cannot be: a rank that has nothing there, or a depth beyond all.
+                if !bounds.tiles().is_empty() {
+                    let read = |message: &[u8]| fresh().read(&shared, bounds.tiles(), message);
+                    prop_assert!(read(&message[..message.len() - 1]).is_none());
+                    for (at, bytes) in [(0, 3u32.to_ne_bytes()), (4, [0xff; 4])] {
+                        let mut wrong = message.clone();
+                        wrong[at..at + 4].copy_from_slice(&bytes);
+                        prop_assert!(read(&wrong).is_none());
+                    }
+                    message.push(0);
+                    prop_assert!(read(&message).is_none());
+                }
             }
         }
     }

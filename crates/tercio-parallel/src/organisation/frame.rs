@@ -124,8 +124,7 @@ fn draw_steps(
     let ranks = touched.ranks_of_any(&shared);
     let all = Shared { tiles: &shared, ranks: &ranks, touched: &touched };
     let is_shared_by = |rank: usize| ranks.binary_search(&rank).is_ok();
-    // Where a filter is wider than a pixel, or anything is translucent, no block of pixels can be finished alone.
-    let finishes_blocks = has_fragments && !is_translucent(scene) && context.grid.halo == 0;
+    let finishes_blocks = has_fragments && context.has_blocks();
     let mut bounds = None;
     if finishes_blocks && is_shared_by(rank) {
         comm.begin(Kind::DepthBounds);
@@ -304,7 +303,7 @@ fn composite_fragments(
     comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
-    others: Option<Others>,
+    mut others: Option<Others>,
     shared: &Shared,
     finished: &mut Vec<u32>,
     frame: &mut Frame,
@@ -312,7 +311,6 @@ fn composite_fragments(
 ) -> Result<Composited, ParallelError> {
     let settings = Settings { keep_fragments: true, clusters: part, ..context.settings.clone() };
     let mut drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
-    let mut others = others;
     let finishes_blocks = others.is_some();
     let (rank, composition) = (comm.rank(), task.sharing.composition);
     let mut owners = Vec::new();

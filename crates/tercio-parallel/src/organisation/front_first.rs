@@ -2,13 +2,13 @@
 //! need not draw.
 //!
 //! The tiles are divided into a few sections, in their order. A rank draws those in which it is in front, section by section, and tells
-//! the others after each section which blocks it has finished: so they need not wait until it has drawn everything.
+//! the others after each section which blocks it has finished, one bit each: so they need not wait until it has drawn everything.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
 
 use tercio_raster::Frame;
 use tercio_raster::context::FrameContext;
-use tercio_raster::depth_bounds::blocks_across;
+use tercio_raster::depth_bounds::{DepthBounds, blocks_across};
 use tercio_raster::frame::TileFragments;
 
 use super::Rank;
@@ -20,12 +20,6 @@ use crate::{ParallelError, RankReport};
 
 /// Sections of the shared tiles.
 const SECTIONS: usize = 4;
-
-/// The shared tiles of each section, as places in their list.
-fn sections(shared: &Shared) -> impl Iterator<Item = Range<usize>> + use<> {
-    let count = shared.tiles.len();
-    (0..SECTIONS).map(move |k| count * k / SECTIONS..count * (k + 1) / SECTIONS)
-}
 
 /// Draws the shared tiles of this rank, and returns what it has of each. The frame then has the finished pixels of all of them, and the
 /// background elsewhere in them.
@@ -42,74 +36,60 @@ pub fn draw(
     report: &mut RankReport,
 ) -> Result<Vec<TileFragments>, ParallelError> {
     let rank = comm.rank();
-    let Others { bounds, fronts } = others;
-    let tiles = bounds.tiles().to_vec();
-    context.nearest_of_others = Some(bounds);
-    let front_of = |tile: &u32| tiles.binary_search(tile).map_or(rank, |at| fronts[at]);
-    // This rank's tiles in a section with that rank in front.
-    let of = |section: &Range<usize>, front: usize| -> Vec<u32> {
-        let own = shared.tiles[section.clone()]
-            .iter()
-            .copied()
-            .filter(|&tile| shared.touched.is_touched(rank, tile));
-        own.filter(|tile| front_of(tile) == front).collect()
-    };
+    let Others { mut bounds, fronts } = others;
+    // Of each section, this rank's tiles by the rank in front.
+    let mut sections = vec![BTreeMap::<usize, Vec<u32>>::new(); SECTIONS];
+    for (&tile, front) in bounds.tiles().iter().zip(fronts) {
+        let place = shared.tiles.partition_point(|&other| other < tile);
+        sections[place * SECTIONS / shared.tiles.len()].entry(front).or_default().push(tile);
+    }
+    let size = blocks_across(&context.grid).pow(2).div_ceil(8);
     let mut drawn = Vec::new();
-    for section in sections(shared) {
-        let tiles = of(&section, rank);
-        if tiles.is_empty() {
-            continue;
-        }
+    for tiles in sections.iter_mut().filter_map(|section| section.remove(&rank)) {
+        context.nearest_of_others = Some(bounds);
         own.draw_tiles(context, &tiles, frame, report);
+        bounds = context.nearest_of_others.take().unwrap_or_default();
         let found = std::mem::take(&mut frame.fragments);
-        for &to in shared.ranks.iter().filter(|&&to| to != rank) {
-            let theirs = tiles.iter().filter(|&&tile| shared.touched.is_touched(to, tile));
-            let mut message = comm.buffer(to);
-            let mut is_sent = false;
-            for tile in theirs {
-                is_sent = true;
-                let at = found.binary_search_by_key(tile, |of_tile| of_tile.tile);
-                let hides = at.map_or(&[][..], |at| &found[at].finished.hides[..]);
-                message.extend((0..bytes_of_tile(context)).map(|k| hides.get(k).copied().unwrap_or(0)));
+        let mut messages = BTreeMap::<usize, Vec<u8>>::new();
+        for &tile in &tiles {
+            let at = found.binary_search_by_key(&tile, |of_tile| of_tile.tile);
+            let hides = at.map_or(&[][..], |at| &found[at].finished.hides[..]);
+            for to in shared.touched.ranks_of(tile).filter(|&to| to != rank) {
+                let message = messages.entry(to).or_default();
+                message.extend_from_slice(hides);
+                message.resize(message.len() + size - hides.len(), 0);
             }
-            if is_sent {
-                comm.send(to, message)?;
-            }
+        }
+        for (to, message) in messages {
+            comm.send(to, message)?;
         }
         drawn.extend(found);
     }
-    for section in sections(shared) {
+    for section in sections {
         let mut tiles = Vec::new();
-        for &from in shared.ranks.iter().filter(|&&from| from != rank) {
-            let theirs = of(&section, from);
-            if theirs.is_empty() {
-                continue;
-            }
+        for (from, theirs) in section {
             let message = report.stages.wait.time(|| comm.receive(from))?;
-            if message.len() != theirs.len() * bytes_of_tile(context) {
+            if message.len() != theirs.len() * size {
                 return Err(ParallelError::Packet { from, source: PacketError::Short { at: message.len() } });
             }
-            let size = bytes_of_tile(context);
-            for (&tile, hidden) in theirs.iter().zip(message.chunks_exact(size)) {
-                let bounds = context.nearest_of_others.as_mut().and_then(|bounds| bounds.of_mut(tile));
-                let blocks = bounds.into_iter().flatten().enumerate();
-                blocks
-                    .filter(|(k, _)| hidden[k / 8] >> (k % 8) & 1 == 1)
-                    .for_each(|(_, bound)| *bound = f32::INFINITY);
+            for (&tile, finished) in theirs.iter().zip(message.chunks_exact(size)) {
+                hide(&mut bounds, tile, finished);
             }
-            comm.give_back(from, message);
             tiles.extend(theirs);
         }
         if !tiles.is_empty() {
             tiles.sort_unstable();
+            context.nearest_of_others = Some(bounds);
             own.draw_tiles(context, &tiles, frame, report);
+            bounds = context.nearest_of_others.take().unwrap_or_default();
             drawn.append(&mut frame.fragments);
         }
     }
     Ok(drawn)
 }
 
-/// Bytes of the blocks of a tile, one bit each.
-fn bytes_of_tile(context: &FrameContext) -> usize {
-    blocks_across(&context.grid).pow(2).div_ceil(8)
+/// Notes which blocks of a tile another rank has finished.
+fn hide(bounds: &mut DepthBounds, tile: u32, finished: &[u8]) {
+    let blocks = bounds.of_mut(tile).into_iter().flatten().enumerate();
+    blocks.filter(|(k, _)| finished[k / 8] >> (k % 8) & 1 == 1).for_each(|(_, bound)| *bound = f32::INFINITY);
 }

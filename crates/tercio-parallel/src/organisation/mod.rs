@@ -6,8 +6,8 @@
 //! |---|---|---|---|---|
 //! | front end | all clusters, own tiles | own clusters | own clusters | own clusters |
 //! | [redistribute](redistribute) bins | – | to the owners of tiles | – | to the owners of tiles in the rank's group |
-//! | draw | own tiles | own tiles | all tiles | own tiles in the group |
-//! | [tell](depth_bounds) how near one may draw | – | – | to the owners of tiles | to the owners of tiles |
+//! | [tell](depth_bounds) how near one may draw (with several samples) | – | – | to the owners of tiles | to the owners of tiles |
+//! | draw | own tiles | own tiles | all tiles, [those first](front_first) in which the rank is in front | the same in own tiles in the group |
 //! | [composite](crate::composite) | – | – | between ranks | between groups |
 //! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
 //!

@@ -159,6 +159,9 @@ impl Sorted {
     }
 
     /// Raises the bounds of depth of a tile's blocks ([`DepthBounds`](crate::depth_bounds::DepthBounds)) to what may be drawn there.
+    ///
+    /// # Panics
+    /// If the frame does not have the tile, or there are fewer bounds than the tile has blocks.
     pub fn raise_bounds(&self, context: &FrameContext, tile: u32, nearest: &mut [f32]) {
         let [width, height] = context.size();
         let own = context.grid.rect(tile, [width, height]);
@@ -173,7 +176,8 @@ impl Sorted {
             };
             for row in blocks(rect.y0, rect.y1, own.y0) {
                 for old in &mut nearest[row * across..][blocks(rect.x0, rect.x1, own.x0)] {
-                    *old = old.max(depth);
+                    // 0 is where nothing is drawn.
+                    *old = old.max(depth).max(f32::MIN_POSITIVE);
                 }
             }
         };

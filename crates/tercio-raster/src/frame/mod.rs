@@ -47,7 +47,7 @@ pub struct Frame {
     /// Its planes, row by row, the upper left pixel first; those that were not requested are empty.
     pub planes: Planes,
     /// The fragments of its tiles, in the order of the tiles, if they are kept instead of planes
-    /// ([`Settings::keep_fragments`](crate::Settings::keep_fragments)); tiles without fragments are left out.
+    /// ([`Settings::keep_fragments`](crate::Settings::keep_fragments)); tiles of which nothing is kept or finished are left out.
     pub fragments: Vec<TileFragments>,
     /// Counts and times.
     pub stats: FrameStats,

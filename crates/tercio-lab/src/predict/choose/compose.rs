@@ -92,6 +92,27 @@ impl SharedTiles {
         }
     }
 
+    /// What ranks tell each other before and while they draw the tiles, so that blocks of pixels are finished: how near they may draw, to
+    /// the owners of tiles and back, and what the rank in front has finished, in up to four messages to each other rank.
+    pub fn telling(&self, stage: &Stage) -> Composited {
+        /// Messages to each partner on average, and bytes of a tile of 64 pixels.
+        const EXCHANGES: [[f64; 2]; 3] = [[1.0, 128.0], [1.0, 132.0], [2.0, 8.0]];
+        if !stage.rates.finishes_blocks || self.participants() < 2 {
+            return Composited::default();
+        }
+        let exchange = |[messages, bytes]: [f64; 2]| {
+            let loads = self.of_rank.iter().map(|of_rank| {
+                let bytes = of_rank[1] * bytes;
+                let partners = self.partners.min(of_rank[1]).ceil();
+                let work = 2.0 * bytes * stage.rates.byte;
+                Load { messages: messages * partners, out: bytes, into: bytes, work }
+            });
+            let loads: Vec<Load> = loads.collect();
+            Composited { seconds: stage.exchange(&loads, self.owners_of_the_same()), sent: Sums::of(&loads) }
+        };
+        EXCHANGES.into_iter().map(exchange).fold(Composited::default(), Composited::plus)
+    }
+
     fn direct(&self, stage: &Stage) -> Composited {
         let bytes = stage.rates.composited_bytes;
         let loads = self.direct.iter().zip(&self.of_rank).map(|([sent, taken, owned], of_rank)| Load {
@@ -207,7 +228,8 @@ fn transfer(
 }
 
 impl Composited {
-    fn plus(self, o: Self) -> Self {
+    /// One after the other.
+    pub fn plus(self, o: Self) -> Self {
         let sent =
             Sums { messages: self.sent.messages + o.sent.messages, bytes: self.sent.bytes + o.sent.bytes };
         Self { seconds: self.seconds + o.seconds, sent }

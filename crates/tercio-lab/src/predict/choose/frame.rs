@@ -191,7 +191,8 @@ fn bin_messages(others: f64, tiles: f64) -> f64 {
 impl Divided {
     /// The frame with a composition. `steps` counts tiles that are looked at.
     pub fn with(&self, sharing: &Sharing, stage: &Stage, steps: &mut u64) -> (Terms, Sums) {
-        let composited = self.shared.composite(sharing.composition, stage, steps);
+        let composited =
+            self.shared.composite(sharing.composition, stage, steps).plus(self.shared.telling(stage));
         let collect = self.collect(sharing, stage);
         let sent = Sums {
             messages: self.sent.messages + composited.sent.messages + collect.1.messages,

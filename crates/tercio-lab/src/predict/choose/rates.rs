@@ -68,7 +68,7 @@ pub struct Rates {
     pub byte: f64,
     /// Bytes of a finished pixel, and of a pixel or fragment that is composited.
     pub finished_bytes: f64,
-    /// See above.
+    /// See above; of a fragment times the share that is not finished before.
     pub composited_bytes: f64,
     /// Samples per pixel.
     pub samples: f64,
@@ -76,6 +76,9 @@ pub struct Rates {
     pub fragments: bool,
     /// Whether something may not be opaque: then nothing hides anything.
     pub translucent: bool,
+    /// Whether ranks tell each other, before they draw the tiles that several of them have, how near they may draw, and then which blocks
+    /// are finished.
+    pub finishes_blocks: bool,
 }
 
 impl Rates {
@@ -84,8 +87,9 @@ impl Rates {
         let cost = |operation| machine.seconds_or_0(operation);
         let count = settings.sampling.pattern.count();
         let fragments = count > 1 || translucent;
-        // The same blocks are finished in the renderer.
-        let kept = if translucent || settings.sampling.halo() > 0 { 1.0 } else { UNFINISHED };
+        // As `FrameContext::has_blocks`.
+        let finishes_blocks = fragments && !translucent && settings.sampling.halo() == 0;
+        let unfinished = if finishes_blocks { UNFINISHED } else { 1.0 };
         let colors = settings.outputs.pixel_bytes() as f64;
         let of_spans = cost(Operation::UnpackedSpan) / SPAN;
         let finished_bytes = colors + SPAN_HEAD / SPAN;
@@ -100,14 +104,14 @@ impl Rates {
             triangle: TRIANGLE,
             shown: if fragments { FRAGMENT } else { PIXEL },
             kept: if fragments {
-                kept * KEPT_FRAGMENT
+                unfinished * KEPT_FRAGMENT
             } else {
                 cost(Operation::ShadedKey)
                     + cost(Operation::KeyLine) / 8.0
                     + 3.0 * cost(Operation::PackedSample)
             },
             merged: if fragments {
-                kept * MERGED_FRAGMENT
+                unfinished * MERGED_FRAGMENT
             } else {
                 of_spans + merged + cost(Operation::ExchangeLine) * 0.2
             },
@@ -119,13 +123,14 @@ impl Rates {
             byte: COPIED_BYTE,
             finished_bytes,
             composited_bytes: if fragments {
-                kept * FragmentLayout::new(&settings.outputs, false).bytes(count) as f64
+                unfinished * FragmentLayout::new(&settings.outputs, false).bytes(count) as f64
             } else {
                 KEY + finished_bytes
             },
             samples: count as f64,
             fragments,
             translucent,
+            finishes_blocks,
         }
     }
 

@@ -7,7 +7,7 @@ use super::memory::SampleMemory;
 use crate::context::FrameContext;
 use crate::depth_bounds::{BLOCK_BITS, block, blocks_across};
 use crate::frame::Outputs;
-use crate::frame::fragments::{FragmentHead, write_fragment};
+use crate::frame::fragments::FragmentHead;
 use crate::screen::PixelRect;
 use crate::simd::part;
 
@@ -33,7 +33,7 @@ impl FinishedBlocks {
     ) -> Vec<u8> {
         self.flags.clear();
         self.across = blocks_across(&context.grid);
-        let Some(others) = context.nearest_of_others(tile) else { return Vec::new() };
+        let Some(others) = context.others_in(tile) else { return Vec::new() };
         for (number, &nearest) in others.iter().enumerate() {
             let rect = rect(memory, number, self.across);
             if nearest == f32::INFINITY {
@@ -58,18 +58,9 @@ impl FinishedBlocks {
         let mut first = 0;
         while let Some(begin) = (first..self.flags.len()).find(|&number| hides(number)) {
             first = (begin..self.flags.len()).find(|&number| !hides(number)).unwrap_or(self.flags.len());
-            let head = blocks_head(begin, first - begin);
-            let at = out.len();
-            out.resize(at + layout.bytes(0), 0);
-            write_fragment(
-                layout,
-                &head,
-                head.primitive.into(),
-                Default::default,
-                || 0,
-                |_| 0.0,
-                &mut out[at..],
-            );
+            let end = out.len() + layout.bytes(0);
+            out.extend_from_slice(bytemuck::bytes_of(&blocks_head(begin, first - begin)));
+            out.resize(end, 0);
         }
         bits
     }

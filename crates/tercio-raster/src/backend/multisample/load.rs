@@ -190,7 +190,7 @@ impl SampleMemory {
         let (row, column) =
             (i32::from(place) >> self.stride_bits, i32::from(place) & ((1 << self.stride_bits) - 1));
         let is_inside = row <= self.rect.y1 - self.rect.y0 && column <= self.rect.x1 - self.rect.x0;
-        is_inside && mask != 0 && u32::from(mask) >> (1 << self.count_bits) == 0
+        is_inside && u32::from(mask) >> (1 << self.count_bits) == 0
     }
 
     /// Adds an opaque fragment.

@@ -89,7 +89,7 @@ impl SampleMemory {
         self.fragment.resize(samples, NO_FRAGMENT);
         self.known.clear();
         self.known.resize(BLOCKS * BLOCKS, -1.0);
-        if let Some(others) = context.nearest_of_others(tile) {
+        if let Some(others) = context.others_in(tile) {
             // What another rank has finished hides all.
             let across = blocks_across(&context.grid);
             for (number, _) in others.iter().enumerate().filter(|(_, nearest)| **nearest == f32::INFINITY) {

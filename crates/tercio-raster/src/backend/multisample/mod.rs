@@ -330,9 +330,9 @@ pub fn finish<S: Simd, T: Tally>(
     }
     shade::late_fragments(simd, context, scratch, outputs, tally.counts());
     if context.settings.keep_fragments {
-        tally.counts().pixels_visible += visible(simd, &scratch.memory);
         let Scratch { memory, kept, finished, .. } = scratch;
         let hides = finished.find(simd, context, memory, target.number(), outputs, kept);
+        tally.counts().pixels_visible += visible(simd, memory);
         memory.write_bytes(context, outputs, finished, kept);
         let bytes = if context.is_translucent() {
             // There may be many layers: they are not copied.
@@ -346,7 +346,7 @@ pub fn finish<S: Simd, T: Tally>(
         if finished.any() {
             finished.retain(memory);
             part.pixels = write(simd, context, memory, &mut target, false, pixels, outputs);
-        } else {
+        } else if context.others_in(target.number()).is_some() {
             target.write_background();
         }
         target.keep(part, bytes);
