@@ -57,7 +57,11 @@ fn draw_steps(
     if has_fragments && sends_all {
         return Err(RenderError::Setting {
             what: "the encoding of composited pixels",
-            range: "sparse where there are several samples per pixel, or anything is translucent".into(),
+            range: match is_translucent(scene) {
+                true => "sparse where something is not opaque, as a material, a colour or an edge of this scene is",
+                false => "sparse where there are several samples per pixel",
+            }
+            .into(),
             value: sharing.encoding.to_string(),
         }
         .into());

@@ -168,7 +168,7 @@ impl Share {
 /// The error for a file that cannot be shared.
 pub(super) fn refusal(input: &Input, what: &str) -> ReadError {
     let what = format!(
-        "reading {what} in parts: binary PLY, binary STL and prepared models can be (tercio prepare writes one)"
+        "reading {what} in parts (as binary PLY, binary STL and what tercio prepare writes can be read)"
     );
     ReadError::Unsupported { file: input.name.clone(), place: Place::File, what }
 }
