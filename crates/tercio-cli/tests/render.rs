@@ -421,11 +421,12 @@ fn the_picture_does_not_depend_on_ranks() {
         let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
         let parallel = &stats["parallel"];
         let count = parallel["ranks"].as_array().unwrap().len() as u64;
-        // Finished pixels; before that, bins, or which tiles are drawn and what is composited.
+        // Finished pixels; before that, bins, or which tiles are drawn and what is composited; and what any two ranks tell each other
+        // of how near they draw, and what they have finished.
         let messages = match parallel["organisation"].as_str() {
             Some("sort-first") => count - 1..=count - 1,
             Some("sort-middle") => (count + 1) * (count - 1)..=(count + 1) * (count - 1),
-            _ => 2 * count + 1..=8 * count,
+            _ => 2 * count + 1..=8 * count + (2 + 4) * count * (count - 1),
         };
         assert!(
             messages.contains(&parallel["messages"].as_u64().unwrap()),
@@ -441,7 +442,7 @@ fn the_picture_does_not_depend_on_ranks() {
     place.run(&format!("{model} -o a.png {dense}")).failed(2, &["--encoding dense", "--aa 1"]);
     place
         .run(&format!("{model} -o a.png {dense} --aa 1 --opacity 0.5"))
-        .failed(1, &["encoding of composited pixels", "translucent", "dense"]);
+        .failed(1, &["encoding of composited pixels", "not opaque", "dense"]);
     place.run(&format!("{model} -o a.png --aa 1")).ok_silently();
     for how in ["sort-last", "sort-last --composition ring", "sort-twice --group 2"] {
         let options = format!("--ranks 3 --organisation {how} --encoding dense");
