@@ -55,8 +55,9 @@ fn the_picture_does_not_depend_on_processes() {
             let messages = match organisation {
                 "sort-first" => n - 1..=n - 1,
                 "sort-middle" => n * n - 1..=n * n - 1,
-                // At most which tiles are touched, one message to each other rank, and finished pixels.
-                _ => n - 1..=n * n + 2 * n,
+                // At most which tiles are touched, one message to each other rank, and finished pixels; and what any two ranks tell
+                // each other of how near they draw, and what they have finished.
+                _ => n - 1..=n * n + 2 * n + (2 + 4) * n * (n - 1),
             };
             assert!(
                 messages.contains(&parallel["messages"].as_u64().unwrap()),
