@@ -119,7 +119,7 @@ fn pixels_of_several_samples() {
     }
 }
 
-/// Where a rank has covered what others may draw, these are told so: they draw nothing there, and send nothing.
+/// Ranks draw no clusters, and send no fragments, that are behind blocks of pixels that another rank has finished.
 #[test]
 fn what_another_rank_hides_is_not_drawn() {
     let mut scene = scene("builtin:sphere@4k", 64);

@@ -104,8 +104,8 @@ fn bounds(
     (0..of).map(part).collect()
 }
 
-/// Parts that know how near the others may draw finish blocks of pixels. Together with the fragments that are left, these are the
-/// picture, also if later parts are told what earlier ones have finished, and then draw less.
+/// Finished blocks of all parts, and the fragments that are left, are together the picture; also if later parts know which blocks earlier
+/// ones have finished, which culls some of their clusters.
 #[test]
 fn blocks_that_are_finished_are_those_of_the_picture() {
     const PARTS: u32 = 3;
@@ -172,7 +172,7 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
             let visible = expected.stats.backend.pixels_visible;
             assert_eq!(in_blocks > visible / 20, is_by_block, "{what}");
             assert_eq!(finished.iter().any(|blocks| !blocks.is_empty()), is_by_block, "{what}");
-            // What is told hides clusters.
+            // Clusters behind finished blocks are culled.
             let hidden: u64 = frames.iter().map(|frame| frame.stats.backend.clusters_hidden).sum();
             match tells {
                 true => assert_eq!(hidden > untold[&(size, format!("{sampling:?}"))], is_by_block, "{what}"),

@@ -8,9 +8,9 @@
 //! where nothing opaque is in front of them.
 //!
 //! Ranks that know how near others draw ([`FrameContext::nearest_of_others`](crate::context::FrameContext::nearest_of_others))
-//! finish blocks of pixels instead, where these cannot draw anything that is seen. Of blocks in which others may draw something that is
-//! hidden, the owner is told: what stands for them among the fragments has no samples, the number of the first block as its place, and
-//! how many they are as the number of its primitive.
+//! finish blocks of pixels instead, in which no fragment of the others can be visible. If others may have hidden fragments in such blocks, the
+//! owner of the tile has to discard these: a run of consecutive blocks is recorded among the fragments as a head with an empty mask,
+//! whose place is the number of the first block, and whose primitive is the length of the run.
 
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
 
@@ -108,7 +108,7 @@ pub enum FragmentError {
     Blocks {
         /// The tile.
         tile: u32,
-        /// Offset of what stands for them.
+        /// Offset of their record.
         at: usize,
         /// The first of them.
         first: u16,

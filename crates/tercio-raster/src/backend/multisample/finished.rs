@@ -86,13 +86,12 @@ impl FinishedBlocks {
     }
 }
 
-/// What stands for finished blocks among the fragments: the first one's number as the place, their number as that of the primitive, and
-/// no samples.
+/// The record of a run of finished blocks among the fragments: see [`crate::frame::fragments`].
 fn blocks_head(first: usize, count: usize) -> FragmentHead {
     FragmentHead { primitive: count as u32, place: first as u16, mask: 0, color: [0.0; 4] }
 }
 
-/// The numbers of finished blocks, from what stands for them; `None` if the tile does not have them.
+/// The numbers of the blocks of such a record; `None` if the tile does not have them.
 pub fn blocks_of(context: &FrameContext, head: &FragmentHead) -> Option<std::ops::Range<usize>> {
     let first = usize::from(head.place);
     let end = first.checked_add(usize::try_from(head.primitive).ok()?)?;
