@@ -326,10 +326,9 @@ fn every_division_and_composition() {
                 draw(Sharing { division, ..Organisation::SortMiddle.into() });
             }
             for composition in Composition::ALL.into_iter().chain([2, 3].map(Composition::radix_k)) {
-                draw(Sharing { composition, ..Organisation::SortLast.into() });
-                draw(Sharing { composition, ..Organisation::SortTwice { group: 3 }.into() });
-                if settings.sampling.pattern.count() == 1 {
-                    let encoding = Encoding::Dense;
+                let is_possible =
+                    |of: &Encoding| *of != Encoding::Dense || settings.sampling.pattern.count() == 1;
+                for encoding in Encoding::ALL.into_iter().filter(is_possible) {
                     draw(Sharing { composition, encoding, ..Organisation::SortLast.into() });
                     draw(Sharing { composition, encoding, ..Organisation::SortTwice { group: 3 }.into() });
                 }
@@ -507,7 +506,7 @@ proptest! {
         (planes, samples, tent, by_sample) in (0u32..256, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
         (division, composition, radix) in (0..Division::ALL.len(), 0..Composition::ALL.len(), 2u32..6),
-        dense in any::<bool>(),
+        encoding in 0..Encoding::ALL.len(),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
@@ -547,8 +546,11 @@ proptest! {
             Composition::RadixK(_) => Composition::radix_k(radix),
             composition => composition,
         };
-        let is_sparse = scene.instances[0].is_translucent() || settings.sampling.pattern.count() > 1;
-        let encoding = if dense && !is_sparse { Encoding::Dense } else { Encoding::Sparse };
+        let has_fragments = scene.instances[0].is_translucent() || settings.sampling.pattern.count() > 1;
+        let encoding = match Encoding::ALL[encoding] {
+            Encoding::Dense if has_fragments => Encoding::Visible,
+            encoding => encoding,
+        };
         let sharing = Sharing { organisation, division: Division::ALL[division], composition, encoding };
         let camera = camera(&scene, radii, orthographic);
         check(&scene, &camera, &settings, Ranks { count, threads, sharing }, model);

@@ -60,6 +60,10 @@ pub struct FrameContext<'a> {
     /// planes, too, for the blocks that are finished without other ranks; otherwise, and where [`Self::has_blocks`] is not so, it has
     /// no effect.
     pub nearest_of_others: Option<DepthBounds>,
+    /// Behind which depth nothing is drawn in each block of pixels of the tiles that this is known of, because other ranks have drawn
+    /// nearer pixels in all of the block; 0 where it is not known, infinity where another rank has finished the block. It has an effect
+    /// where [`Self::nearest_of_others`] has one.
+    pub hidden_by_others: Option<DepthBounds>,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
@@ -141,6 +145,7 @@ impl<'a> FrameContext<'a> {
             shading_distance,
             footprint: Footprint::new(settings, shading_distance),
             nearest_of_others: None,
+            hidden_by_others: None,
             is_translucent,
             first_cluster,
             first_primitive,
@@ -182,6 +187,13 @@ impl<'a> FrameContext<'a> {
     pub(crate) fn others_in(&self, tile: u32) -> Option<&[f32]> {
         let counts = self.settings.keep_fragments && self.has_blocks();
         self.nearest_of_others.as_ref().filter(|_| counts)?.of(tile)
+    }
+
+    /// Behind which depth nothing is seen in each block of a tile, if that is known and has an effect.
+    #[inline(always)]
+    pub(crate) fn hidden_in(&self, tile: u32) -> Option<&[f32]> {
+        let counts = self.settings.keep_fragments && self.has_blocks();
+        self.hidden_by_others.as_ref().filter(|_| counts)?.of(tile)
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.

@@ -1,6 +1,7 @@
 //! Bounds of depth in blocks of pixels: what a rank knows of what others draw in a tile before it draws it itself.
 //!
-//! Where nothing of others can be as near as what a rank has drawn, its pixels are finished: fragments need not be sent.
+//! Where nothing of others can be as near as what a rank has drawn, its pixels are finished: fragments need not be sent. And what is
+//! behind everything that another rank has drawn in a block is not seen: it need not be drawn.
 
 use crate::screen::{PixelRect, TileGrid};
 
@@ -19,8 +20,7 @@ pub fn block(number: usize, across: usize) -> PixelRect {
     PixelRect { x0, x1: x0 + last, y0, y1: y0 + last }
 }
 
-/// Of some tiles, row by row the blocks of each, a depth than which nothing is nearer; 0 where nothing is drawn.
-/// Where another rank has finished the block, infinity: nothing else is seen there.
+/// Of some tiles, row by row the blocks of each, a depth. Larger ones are nearer, as everywhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthBounds {
     /// In ascending order.
@@ -30,7 +30,7 @@ pub struct DepthBounds {
 }
 
 impl DepthBounds {
-    /// Bounds of tiles, given in ascending order, in which nothing is drawn.
+    /// Bounds of tiles, given in ascending order, that are 0.
     pub fn new(grid: &TileGrid, tiles: Vec<u32>) -> Self {
         let blocks = blocks_across(grid).pow(2);
         Self { depths: vec![0.0; tiles.len() * blocks], tiles, blocks }

@@ -104,8 +104,8 @@ fn bounds(
     (0..of).map(part).collect()
 }
 
-/// Finished blocks of all parts, and the fragments that are left, are together the picture; also if later parts know which blocks earlier
-/// ones have finished, which culls some of their clusters.
+/// Finished blocks of all parts, and the fragments that are left, are together the picture; also if later parts know what earlier ones
+/// hide, which culls some of their clusters.
 #[test]
 fn blocks_that_are_finished_are_those_of_the_picture() {
     const PARTS: u32 = 3;
@@ -136,7 +136,7 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
             let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
             let tiles = context.grid.count();
             let bounds = bounds(&context, &settings, &scene, &camera, PARTS);
-            let mut finished = vec![Vec::new(); tiles];
+            let mut hidden = DepthBounds::new(&context.grid, (0..tiles as u32).collect());
             let mut frames = Vec::new();
             for number in 0..PARTS as usize {
                 let mut others = DepthBounds::new(&context.grid, (0..tiles as u32).collect());
@@ -145,23 +145,20 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
                     for of in theirs.filter_map(|other| bounds[other].of(tile)) {
                         to.iter_mut().zip(of).for_each(|(to, &depth)| *to = to.max(depth));
                     }
-                    if tells {
-                        finished[tile as usize].iter().for_each(|&block: &usize| to[block] = f32::INFINITY);
-                    }
                 }
                 let clusters = Part { number: number as u32, of: PARTS };
                 let own = Settings { clusters, keep_fragments: true, ..settings.clone() };
                 let mut own = FrameContext::new(&scene, &camera, &own, workers).expect("a frame");
                 own.nearest_of_others = Some(others);
+                own.hidden_by_others = tells.then(|| hidden.clone());
                 let (mut renderer, mut sorted, mut frame) =
                     (Renderer::new(), Sorted::default(), Frame::default());
                 frame.resize(&settings);
                 renderer.sort(&own, &mut sorted);
                 renderer.draw(&own, &sorted, &TileSet::ALL, &mut frame);
                 for TileFragments { tile, finished: of_tile, .. } in &frame.fragments {
-                    let blocks =
-                        (0..of_tile.hides.len() * 8).filter(|k| of_tile.hides[k / 8] >> (k % 8) & 1 == 1);
-                    finished[*tile as usize].extend(blocks);
+                    let before = hidden.of_mut(*tile).expect("a tile");
+                    before.iter_mut().zip(&of_tile.hides).for_each(|(old, &depth)| *old = old.max(depth));
                 }
                 frames.push(frame);
             }
@@ -171,8 +168,12 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
             let what = format!("{sampling:?}, tiles of {size}, {tells}: {in_blocks} pixels are finished");
             let visible = expected.stats.backend.pixels_visible;
             assert_eq!(in_blocks > visible / 20, is_by_block, "{what}");
-            assert_eq!(finished.iter().any(|blocks| !blocks.is_empty()), is_by_block, "{what}");
-            // Clusters behind finished blocks are culled.
+            // Some blocks are finished, and some hide what is farther.
+            let mut depths: Vec<f32> = hidden.tiles_mut().flat_map(|(_, of)| of.to_vec()).collect();
+            depths.retain(|&depth| depth > 0.0);
+            assert_eq!(depths.contains(&f32::INFINITY), is_by_block, "{what}");
+            assert_eq!(depths.iter().any(|depth| depth.is_finite()), is_by_block, "{what}");
+            // Clusters behind what others hide are culled.
             let hidden: u64 = frames.iter().map(|frame| frame.stats.backend.clusters_hidden).sum();
             match tells {
                 true => assert_eq!(hidden > untold[&(size, format!("{sampling:?}"))], is_by_block, "{what}"),

@@ -18,7 +18,7 @@ const MODELS: [&str; 3] = ["builtin:teapot@1M", "builtin:gyroid@1M", "builtin:te
 const RANKS: [usize; 5] = [2, 4, 8, 16, 64];
 
 /// Ways to share a frame, as options.
-const WAYS: [&str; 19] = [
+const WAYS: [&str; 20] = [
     "--organisation sort-first",
     "--organisation sort-first --division adaptive",
     "--organisation sort-middle",
@@ -27,6 +27,7 @@ const WAYS: [&str; 19] = [
     "--organisation sort-middle --division columns",
     "--organisation sort-middle --division blocks",
     "--organisation sort-last",
+    "--organisation sort-last --encoding sparse",
     "--organisation sort-last --composition binary-swap",
     "--organisation sort-last --composition radix-k --radix 4",
     "--organisation sort-last --composition radix-k --radix 8",

@@ -70,9 +70,11 @@ pub enum CompositionName {
 /// Which pixels are sent to be composited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum EncodingName {
-    /// Those in which something is drawn.
+    /// Those that are drawn. Ranks tell each other what they hide, which the others then do not draw.
+    Visible,
+    /// Those that are drawn, hidden by other ranks or not, to compare with.
     Sparse,
-    /// All of them, whatever is drawn, as a baseline to compare with.
+    /// All of them, whatever is drawn, to compare with; it needs --aa 1 and nothing translucent.
     Dense,
 }
 
@@ -102,8 +104,8 @@ pub struct RanksArgs {
     /// in 8,2,2, at most 10, the first is that of the first round, and the last one that of all further ones, too.
     #[arg(long, value_name = "K,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
     radix: Option<Vec<u32>>,
-    /// Which pixels are sent to be composited: for sort-last, and between the groups of sort-twice, with --aa 1 and nothing
-    /// translucent [default: sparse].
+    /// Which pixels, or fragments of samples and layers, are sent to be composited: for sort-last, and between the groups of
+    /// sort-twice [default: visible].
     #[arg(long, value_name = "WHICH", value_enum)]
     encoding: Option<EncodingName>,
     /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared
@@ -262,9 +264,12 @@ impl RanksArgs {
                     "--organisation auto counts whole models: with --parts, name an organisation".into(),
                 ));
             }
-            OrganisationName::Auto if self.encoding == Some(EncodingName::Dense) => {
+            OrganisationName::Auto
+                if self.encoding.is_some_and(|encoding| encoding != EncodingName::Visible) =>
+            {
                 return Err(UsageError(
-                    "--organisation auto predicts --encoding sparse: with dense, name an organisation".into(),
+                    "--organisation auto predicts --encoding visible: with another one, name an organisation"
+                        .into(),
                 ));
             }
             OrganisationName::Auto => {
@@ -295,7 +300,8 @@ impl RanksArgs {
         }
         let (division, composition) = (division.unwrap_or_default(), self.composition()?.unwrap_or_default());
         let encoding = match self.encoding {
-            None | Some(EncodingName::Sparse) => Encoding::Sparse,
+            None | Some(EncodingName::Visible) => Encoding::Visible,
+            Some(EncodingName::Sparse) => Encoding::Sparse,
             Some(EncodingName::Dense) => Encoding::Dense,
         };
         Ok(How::As(Sharing { organisation, division, composition, encoding }))
@@ -437,6 +443,8 @@ mod tests {
         assert_eq!(sharing("--organisation sort-last --composition 2-3-swap"), Ok(last));
         let last = Sharing { encoding: Encoding::Dense, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --encoding dense"), Ok(last));
+        let last = Sharing { encoding: Encoding::Sparse, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --encoding sparse"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
@@ -451,6 +459,7 @@ mod tests {
             ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
             ("--organisation sort-first --encoding dense", "--encoding: sort-first does not composite"),
             ("--organisation auto --encoding dense", "name an organisation"),
+            ("--organisation auto --encoding sparse", "name an organisation"),
             ("--organisation auto --group 11", "--group 11: there are 10 ranks"),
             ("--organisation auto --radix 3", "--radix is for"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),

@@ -25,8 +25,8 @@ pub enum Kind {
     Bins,
     /// How near a rank may draw in the blocks of tiles.
     DepthBounds,
-    /// Which blocks of tiles a rank has finished.
-    FinishedBlocks,
+    /// Behind which depths a rank hides everything in the blocks of tiles.
+    Occlusion,
     /// How many tiles are drawn next of what is not opaque.
     Round,
     /// Pixels with keys, which are composited.
@@ -50,7 +50,7 @@ impl Kind {
         Self::Clusters,
         Self::Bins,
         Self::DepthBounds,
-        Self::FinishedBlocks,
+        Self::Occlusion,
         Self::Round,
         Self::Pixels,
         Self::Fragments,
@@ -79,7 +79,7 @@ impl Kind {
             Self::Clusters => "clusters",
             Self::Bins => "bins",
             Self::DepthBounds => "bounds of depth",
-            Self::FinishedBlocks => "finished blocks",
+            Self::Occlusion => "occlusion",
             Self::Round => "round",
             Self::Pixels => "pixels",
             Self::Fragments => "fragments",

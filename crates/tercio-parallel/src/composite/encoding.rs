@@ -9,8 +9,12 @@ use serde::Serialize;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Encoding {
-    /// Those in which something is drawn, as runs (active-pixel encoding), of the tiles that clusters reach.
+    /// Those in which something is drawn, as runs (active-pixel encoding), of the tiles that clusters reach. If there are several
+    /// samples per pixel and nothing is translucent, ranks tell each other what they hide while they draw, and what a rank knows to
+    /// be hidden is not sent; nor is it drawn.
     #[default]
+    Visible,
+    /// Those in which something is drawn, whether other ranks hide it or not. For comparison.
     Sparse,
     /// All pixels of all tiles, whether something is drawn there or not, as first sort-last machines did: the cost does not
     /// depend on the model. For comparison. If there are several samples per pixel or anything is translucent, lists of fragments
@@ -20,11 +24,12 @@ pub enum Encoding {
 
 impl Encoding {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Sparse, Self::Dense];
+    pub const ALL: [Self; 3] = [Self::Visible, Self::Sparse, Self::Dense];
 
     /// The name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Visible => "visible",
             Self::Sparse => "sparse",
             Self::Dense => "dense",
         }

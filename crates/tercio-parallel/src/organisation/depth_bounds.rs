@@ -19,7 +19,7 @@ use crate::composite::{Composition, Shared};
 use crate::report::RankStages;
 
 /// Bytes of the bound of a block: the upper half of a number.
-const BYTES: usize = size_of::<u16>();
+pub const BYTES: usize = size_of::<u16>();
 
 /// The bounds of this rank's own blocks, which the owners of the tiles have been sent.
 pub struct Own {
@@ -197,7 +197,7 @@ impl Nearest {
     }
 }
 
-fn malformed(from: usize) -> ParallelError {
+pub fn malformed(from: usize) -> ParallelError {
     ParallelError::Packet { from, source: PacketError::Short { at: 0 } }
 }
 
@@ -206,9 +206,14 @@ fn rounded(depth: f32) -> f32 {
     f32::from_bits(depth.to_bits().saturating_add(0xffff) & 0xffff_0000)
 }
 
-/// Appends a bound, which is rounded.
-fn put(depth: f32, message: &mut Vec<u8>) {
+/// Appends the upper half of a depth.
+pub fn put(depth: f32, message: &mut Vec<u8>) {
     message.extend(((depth.to_bits() >> 16) as u16).to_ne_bytes());
+}
+
+/// Reads a depth, whose lower half is 0.
+pub fn get(half: &[u8]) -> f32 {
+    f32::from_bits(u32::from(pod_read_unaligned::<u16>(half)) << 16)
 }
 
 /// Reads the bounds of all tiles; `None` if they are not as many, or not valid.
@@ -225,8 +230,7 @@ fn read(message: &[u8], bounds: &mut DepthBounds) -> Option<()> {
 /// Reads the bounds of a tile; `None` if any is not valid.
 fn read_tile(halves: &[u8], bounds: &mut [f32]) -> Option<()> {
     for (to, half) in bounds.iter_mut().zip(halves.chunks_exact(BYTES)) {
-        let depth = f32::from_bits(u32::from(pod_read_unaligned::<u16>(half)) << 16);
-        // Infinity is what ranks write themselves, for finished blocks.
+        let depth = get(half);
         *to = (depth.is_finite() && depth >= 0.0).then_some(depth)?;
     }
     Some(())

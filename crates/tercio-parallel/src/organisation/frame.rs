@@ -58,8 +58,8 @@ fn draw_steps(
         return Err(RenderError::Setting {
             what: "the encoding of composited pixels",
             range: match is_translucent(scene) {
-                true => "sparse where something is not opaque, as a material, a colour or an edge of this scene is",
-                false => "sparse where there are several samples per pixel",
+                true => "visible or sparse where something is not opaque, as a material, a colour or an edge of this scene is",
+                false => "visible or sparse where there are several samples per pixel",
             }
             .into(),
             value: sharing.encoding.to_string(),
@@ -128,7 +128,7 @@ fn draw_steps(
     let ranks = touched.ranks_of_any(&shared);
     let all = Shared { tiles: &shared, ranks: &ranks, touched: &touched };
     let is_shared_by = |rank: usize| ranks.binary_search(&rank).is_ok();
-    let finishes_blocks = has_fragments && context.has_blocks();
+    let finishes_blocks = sharing.encoding == Encoding::Visible && has_fragments && context.has_blocks();
     let mut bounds = None;
     if finishes_blocks && is_shared_by(rank) {
         comm.begin(Kind::DepthBounds);
@@ -266,8 +266,8 @@ fn composite_pixels(
             let mut packet = Vec::new();
             let rect = keyed.grid.rect(tile, keyed.size());
             match encoding {
-                Encoding::Sparse => _ = pack_drawn(drawn, rect, &planes, &mut packet),
                 Encoding::Dense => pack_all(drawn, rect, &planes, &mut packet),
+                _ => _ = pack_drawn(drawn, rect, &planes, &mut packet),
             }
             (tile, packet)
         };
@@ -331,10 +331,10 @@ fn composite_fragments(
         let ranks = shared.touched.ranks_of_any(tiles);
         let of_round = Shared { tiles, ranks: &ranks, touched: shared.touched };
         let touched = of_round.tiles_of(rank);
-        // If blocks are finished, there is one round.
+        // If ranks tell what they hide, there is one round.
         let drawn = match others.take() {
             Some(others) => {
-                comm.begin(Kind::FinishedBlocks);
+                comm.begin(Kind::Occlusion);
                 front_first::draw(own, comm, &mut drawing, others, &of_round, frame, report)?
             }
             None => {

@@ -1,10 +1,11 @@
-//! Tiles that several ranks have, drawn first by the rank that is in front in most of their blocks: what that has finished, the others
-//! need not draw.
+//! Tiles that several ranks have, drawn first by the rank that is in front in most of their blocks: what is behind that, the others need
+//! not draw.
 //!
-//! The tiles are divided into a few sections, in their order. A rank draws those in which it is in front, section by section, and tells
-//! the others after each section which blocks it has finished, one bit each: so they need not wait until it has drawn everything.
+//! A rank draws the tiles in which it is in front in a few groups with about the same work, and tells the others after each group
+//! behind which depth it hides everything: so they need not wait until it has drawn everything. Then it draws the tiles in which another
+//! one is in front, as they are told.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use tercio_raster::Frame;
 use tercio_raster::context::FrameContext;
@@ -12,14 +13,16 @@ use tercio_raster::depth_bounds::{DepthBounds, blocks_across};
 use tercio_raster::frame::TileFragments;
 
 use super::Rank;
-use super::depth_bounds::Others;
-use crate::comm::Communicator;
+use super::depth_bounds::{BYTES, Others, get, malformed, put};
+use crate::comm::{Awaited, Communicator};
 use crate::composite::Shared;
-use crate::composite::packet::PacketError;
 use crate::{ParallelError, RankReport};
 
-/// Sections of the shared tiles.
-const SECTIONS: usize = 4;
+/// Groups of the tiles in which a rank is in front.
+const GROUPS: u64 = 4;
+/// Bytes of a message, unless it is of one tile: MPI libraries deliver messages of up to 4 KB while their sender draws, and larger
+/// ones not before it sends or receives again.
+const MOST_BYTES: usize = 3500;
 
 /// Draws the shared tiles of this rank, and returns what it has of each. The frame then has the finished pixels of all of them, and the
 /// background elsewhere in them.
@@ -36,19 +39,18 @@ pub fn draw(
     report: &mut RankReport,
 ) -> Result<Vec<TileFragments>, ParallelError> {
     let rank = comm.rank();
-    let Others { mut bounds, fronts } = others;
-    // Of each section, this rank's tiles by the rank in front.
-    let mut sections = vec![BTreeMap::<usize, Vec<u32>>::new(); SECTIONS];
+    let Others { bounds, fronts } = others;
+    // This rank's tiles by the rank in front.
+    let mut by_front = BTreeMap::<usize, BTreeSet<u32>>::new();
     for (&tile, front) in bounds.tiles().iter().zip(fronts) {
-        let place = shared.tiles.partition_point(|&other| other < tile);
-        sections[place * SECTIONS / shared.tiles.len()].entry(front).or_default().push(tile);
+        by_front.entry(front).or_default().insert(tile);
     }
-    let size = blocks_across(&context.grid).pow(2).div_ceil(8);
+    let blocks = blocks_across(&context.grid).pow(2);
+    context.hidden_by_others = Some(DepthBounds::new(&context.grid, bounds.tiles().to_vec()));
+    context.nearest_of_others = Some(bounds);
     let mut drawn = Vec::new();
-    for tiles in sections.iter_mut().filter_map(|section| section.remove(&rank)) {
-        context.nearest_of_others = Some(bounds);
+    for tiles in groups(by_front.remove(&rank).unwrap_or_default(), |tile| own.sorted.fill(tile)) {
         own.draw_tiles(context, &tiles, frame, report);
-        bounds = context.nearest_of_others.take().unwrap_or_default();
         let found = std::mem::take(&mut frame.fragments);
         let mut messages = BTreeMap::<usize, Vec<u8>>::new();
         for &tile in &tiles {
@@ -56,40 +58,59 @@ pub fn draw(
             let hides = at.map_or(&[][..], |at| &found[at].finished.hides[..]);
             for to in shared.touched.ranks_of(tile).filter(|&to| to != rank) {
                 let message = messages.entry(to).or_default();
-                message.extend_from_slice(hides);
-                message.resize(message.len() + size - hides.len(), 0);
+                if message.len() + blocks * BYTES > MOST_BYTES {
+                    comm.send(to, std::mem::take(message))?;
+                }
+                message.extend(tile.to_ne_bytes());
+                let end = message.len() + blocks * BYTES;
+                // The lower half of a depth is cut off: it becomes farther.
+                hides.iter().for_each(|&depth| put(depth, message));
+                message.resize(end, 0);
             }
         }
-        for (to, message) in messages {
+        for (to, message) in messages.into_iter().filter(|(_, message)| !message.is_empty()) {
             comm.send(to, message)?;
         }
         drawn.extend(found);
     }
-    for section in sections {
+    while !by_front.is_empty() {
+        let mut awaited = Awaited::new(by_front.keys().copied());
+        let (from, message) = report.stages.wait.time(|| comm.receive_any(&mut awaited))?;
         let mut tiles = Vec::new();
-        for (from, theirs) in section {
-            let message = report.stages.wait.time(|| comm.receive(from))?;
-            if message.len() != theirs.len() * size {
-                return Err(ParallelError::Packet { from, source: PacketError::Short { at: message.len() } });
+        let theirs = by_front.entry(from).or_default();
+        for of_tile in message.chunks(size_of::<u32>() + blocks * BYTES) {
+            let told = of_tile.split_first_chunk().filter(|(_, halves)| halves.len() == blocks * BYTES);
+            let (tile, halves) = told.ok_or_else(|| malformed(from))?;
+            let tile = u32::from_ne_bytes(*tile);
+            if !theirs.remove(&tile) {
+                return Err(malformed(from));
             }
-            for (&tile, finished) in theirs.iter().zip(message.chunks_exact(size)) {
-                hide(&mut bounds, tile, finished);
+            let hidden = context.hidden_by_others.as_mut().and_then(|hidden| hidden.of_mut(tile));
+            for (hidden, half) in hidden.into_iter().flatten().zip(halves.chunks_exact(BYTES)) {
+                // Also infinity, of finished blocks; anything else is not a depth.
+                *hidden = Some(get(half)).filter(|depth| *depth >= 0.0).ok_or_else(|| malformed(from))?;
             }
-            tiles.extend(theirs);
+            tiles.push(tile);
         }
-        if !tiles.is_empty() {
-            tiles.sort_unstable();
-            context.nearest_of_others = Some(bounds);
-            own.draw_tiles(context, &tiles, frame, report);
-            bounds = context.nearest_of_others.take().unwrap_or_default();
-            drawn.append(&mut frame.fragments);
+        if theirs.is_empty() {
+            by_front.remove(&from);
         }
+        own.draw_tiles(context, &tiles, frame, report);
+        drawn.append(&mut frame.fragments);
     }
     Ok(drawn)
 }
 
-/// Notes which blocks of a tile another rank has finished.
-fn hide(bounds: &mut DepthBounds, tile: u32, finished: &[u8]) {
-    let blocks = bounds.of_mut(tile).into_iter().flatten().enumerate();
-    blocks.filter(|(k, _)| finished[k / 8] >> (k % 8) & 1 == 1).for_each(|(_, bound)| *bound = f32::INFINITY);
+/// Consecutive tiles in groups of about the same work.
+fn groups(tiles: BTreeSet<u32>, work: impl Fn(u32) -> u64) -> Vec<Vec<u32>> {
+    let all: u64 = tiles.iter().map(|&tile| work(tile)).sum();
+    let (mut groups, mut before) = (vec![Vec::new(); GROUPS as usize], 0);
+    for tile in tiles {
+        // By the middle of its work.
+        let middle = before + work(tile) / 2;
+        groups[(middle * GROUPS / all.max(1)).min(GROUPS - 1) as usize].push(tile);
+        before += work(tile);
+    }
+    groups.retain(|tiles| !tiles.is_empty());
+    groups
 }

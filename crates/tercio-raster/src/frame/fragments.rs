@@ -33,9 +33,10 @@ pub struct TileFragments {
 pub struct FinishedPart {
     /// Pixels that show something.
     pub pixels: u64,
-    /// The finished blocks in which other ranks may draw something that is hidden, one bit each, the first block of the tile lowest;
-    /// empty if there are none.
-    pub hides: Vec<u8>,
+    /// Of each block of the tile in which other ranks may draw something, a depth behind which nothing of theirs is seen
+    /// ([`FrameContext::hidden_by_others`](crate::context::FrameContext::hidden_by_others)): infinity where the block is finished. 0 of the other blocks. Empty if nothing is
+    /// known of other ranks.
+    pub hides: Vec<f32>,
 }
 
 /// The fragments of a tile that several ranks have drawn.

@@ -5,7 +5,7 @@ use fearless_simd::Simd;
 use super::fragments::NO_FRAGMENT;
 use super::memory::SampleMemory;
 use crate::context::FrameContext;
-use crate::depth_bounds::{BLOCK_BITS, block, blocks_across};
+use crate::depth_bounds::{BLOCK_BITS, blocks_across};
 use crate::frame::Outputs;
 use crate::frame::fragments::FragmentHead;
 use crate::screen::PixelRect;
@@ -19,50 +19,52 @@ pub struct FinishedBlocks {
 }
 
 impl FinishedBlocks {
-    /// Those of a tile that was drawn, if a frame that keeps its fragments knows how near other ranks draw; else none. Blocks in which
-    /// others may draw something that is hidden are appended to the fragments, and returned
-    /// ([`FinishedPart::hides`](crate::frame::FinishedPart)). Removes what was drawn in blocks that another rank has finished.
+    /// Those of a tile that was drawn, if a frame that keeps its fragments knows how near other ranks draw; else none. Returns what
+    /// others need not draw ([`FinishedPart::hides`](crate::frame::FinishedPart)), and appends finished blocks in which they may draw
+    /// something to the fragments.
     pub fn find<S: Simd>(
         &mut self,
         simd: S,
         context: &FrameContext,
-        memory: &mut SampleMemory,
+        memory: &SampleMemory,
         tile: u32,
         outputs: &Outputs,
         out: &mut Vec<u8>,
-    ) -> Vec<u8> {
+    ) -> Vec<f32> {
         self.flags.clear();
         self.across = blocks_across(&context.grid);
         let Some(others) = context.others_in(tile) else { return Vec::new() };
-        for (number, &nearest) in others.iter().enumerate() {
-            let rect = rect(memory, number, self.across);
-            if nearest == f32::INFINITY {
-                memory.clear_pixels(rect);
+        let hidden = context.hidden_in(tile).unwrap_or_default();
+        let mut hides = vec![0.0; others.len()];
+        for (number, (&nearest, hides)) in others.iter().zip(&mut hides).enumerate() {
+            let behind = hidden.get(number).copied().unwrap_or(0.0);
+            // Another rank has finished the block.
+            if behind == f32::INFINITY {
+                self.flags.push(false);
+                continue;
             }
-            let is_finished = nearest == 0.0
-                || !rect.is_empty()
-                    && part(
-                        simd,
-                        #[inline(always)]
-                        || memory.are_nearer(simd, rect, nearest),
-                    );
+            let rect = memory.block(number, self.across);
+            let farthest = part(
+                simd,
+                #[inline(always)]
+                || memory.farthest(simd, rect),
+            );
+            let is_finished = farthest > nearest || nearest == 0.0 && behind == 0.0;
             self.flags.push(is_finished);
+            if nearest > 0.0 {
+                *hides = if is_finished { f32::INFINITY } else { farthest };
+            }
         }
-        let hides = |number: usize| self.flags[number] && others[number] > 0.0;
-        if !(0..self.flags.len()).any(hides) {
-            return Vec::new();
-        }
-        let mut bits = vec![0; self.flags.len().div_ceil(8)];
-        (0..self.flags.len()).filter(|&number| hides(number)).for_each(|k| bits[k / 8] |= 1 << (k % 8));
+        let is_run = |number: usize| hides[number] == f32::INFINITY;
         let layout = context.fragment_layout(outputs);
         let mut first = 0;
-        while let Some(begin) = (first..self.flags.len()).find(|&number| hides(number)) {
-            first = (begin..self.flags.len()).find(|&number| !hides(number)).unwrap_or(self.flags.len());
+        while let Some(begin) = (first..hides.len()).find(|&number| is_run(number)) {
+            first = (begin..hides.len()).find(|&number| !is_run(number)).unwrap_or(hides.len());
             let end = out.len() + layout.bytes(0);
             out.extend_from_slice(bytemuck::bytes_of(&blocks_head(begin, first - begin)));
             out.resize(end, 0);
         }
-        bits
+        hides
     }
 
     /// Is any block finished?
@@ -81,7 +83,7 @@ impl FinishedBlocks {
     /// Removes what was drawn elsewhere.
     pub fn retain(&self, memory: &mut SampleMemory) {
         for (number, _) in self.flags.iter().enumerate().filter(|(_, is_finished)| !**is_finished) {
-            memory.clear_pixels(rect(memory, number, self.across));
+            memory.clear_pixels(memory.block(number, self.across));
         }
     }
 }
@@ -98,16 +100,10 @@ pub fn blocks_of(context: &FrameContext, head: &FragmentHead) -> Option<std::ops
     (first < end && end <= blocks_across(&context.grid).pow(2)).then_some(first..end)
 }
 
-/// The pixels of a block that are in the tile, counted from the first one in memory.
-fn rect(memory: &SampleMemory, number: usize, across: usize) -> PixelRect {
-    let PixelRect { x0, x1, y0, y1 } = memory.rect;
-    block(number, across).intersect(PixelRect { x0: 0, x1: x1 - x0, y0: 0, y1: y1 - y0 })
-}
-
 impl SampleMemory {
     /// Removes what was drawn in blocks that another rank has finished.
     pub fn clear_block(&mut self, context: &FrameContext, number: usize) {
-        self.clear_pixels(rect(self, number, blocks_across(&context.grid)));
+        self.clear_pixels(self.block(number, blocks_across(&context.grid)));
     }
 
     /// Removes what was drawn in some pixels, counted from the first one in memory.
@@ -115,11 +111,9 @@ impl SampleMemory {
         if rect.is_empty() {
             return;
         }
-        for y in rect.y0..=rect.y1 {
-            let first = (y as usize) << self.stride_bits;
-            let samples = (first + rect.x0 as usize) << self.count_bits
-                ..(first + rect.x1 as usize + 1) << self.count_bits;
-            self.depth[samples.clone()].fill(0.0);
+        self.fill_depth(rect, 0.0);
+        for y in rect.y0..rect.y1 + 1 {
+            let samples = self.samples_of_row(rect, y);
             self.fragment[samples].fill(NO_FRAGMENT);
         }
     }

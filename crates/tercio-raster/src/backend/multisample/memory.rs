@@ -1,5 +1,7 @@
 //! The tile memory: depth and fragment of every sample of a tile, and the list of fragments. Depth tests: [`super::write`].
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u32x16};
 
@@ -9,7 +11,7 @@ use super::layers::Layers;
 use super::load::Origin;
 use super::stamps::MOST_ROWS;
 use crate::context::FrameContext;
-use crate::depth_bounds::{BLOCK_BITS, blocks_across};
+use crate::depth_bounds::{BLOCK_BITS, block, blocks_across};
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, baseline, live_lanes, splat, splat_i};
@@ -22,7 +24,7 @@ const BLOCKS: usize = MOST_ROWS.div_ceil(1 << BLOCK_BITS);
 /// The samples of a pixel are side by side. The tile's pixels include those around it that the filter needs.
 #[derive(Debug, Default)]
 pub struct SampleMemory {
-    /// Depth, 0 where nothing was drawn.
+    /// Depth; where nothing was drawn 0, or the depth behind which other ranks hide everything.
     pub depth: Vec<f32>,
     /// Number of the fragment, [`NO_FRAGMENT`] where nothing was drawn.
     pub fragment: Vec<u32>,
@@ -89,11 +91,11 @@ impl SampleMemory {
         self.fragment.resize(samples, NO_FRAGMENT);
         self.known.clear();
         self.known.resize(BLOCKS * BLOCKS, -1.0);
-        if let Some(others) = context.others_in(tile) {
-            // What another rank has finished hides all.
+        if let Some(hidden) = context.hidden_in(tile) {
             let across = blocks_across(&context.grid);
-            for (number, _) in others.iter().enumerate().filter(|(_, nearest)| **nearest == f32::INFINITY) {
-                self.known[number / across * BLOCKS + number % across] = f32::INFINITY;
+            for (number, &depth) in hidden.iter().enumerate().filter(|(_, depth)| **depth > 0.0) {
+                self.fill_depth(self.block(number, across), depth);
+                self.known[number / across * BLOCKS + number % across] = depth.next_down();
             }
         }
         self.list.clear();
@@ -109,6 +111,48 @@ impl SampleMemory {
     #[inline(always)]
     pub fn pixel(&self, x: i32, y: i32) -> usize {
         ((y - self.rect.y0) as usize) << self.stride_bits | (x - self.rect.x0) as usize
+    }
+
+    /// The pixels of a block that are in memory, counted from the first one there.
+    pub fn block(&self, number: usize, across: usize) -> PixelRect {
+        let PixelRect { x0, x1, y0, y1 } = self.rect;
+        block(number, across).intersect(PixelRect { x0: 0, x1: x1 - x0, y0: 0, y1: y1 - y0 })
+    }
+
+    /// Sets the depth of the samples of some pixels, counted from the first one in memory.
+    pub fn fill_depth(&mut self, rect: PixelRect, depth: f32) {
+        if rect.is_empty() {
+            return;
+        }
+        for y in rect.y0..rect.y1 + 1 {
+            let samples = self.samples_of_row(rect, y);
+            self.depth[samples].fill(depth);
+        }
+    }
+
+    /// The samples of the pixels of a row of a rectangle that is not empty.
+    pub fn samples_of_row(&self, rect: PixelRect, y: i32) -> Range<usize> {
+        let first = (y as usize) << self.stride_bits;
+        (first + rect.x0 as usize) << self.count_bits..(first + rect.x1 as usize + 1) << self.count_bits
+    }
+
+    /// The depth of the farthest sample of some pixels, counted from the first one in memory; 0 if there are none.
+    #[inline(always)]
+    pub fn farthest<S: Simd>(&self, simd: S, rect: PixelRect) -> f32 {
+        if rect.is_empty() {
+            return 0.0;
+        }
+        let mut farthest = splat(simd, f32::INFINITY);
+        for y in rect.y0..rect.y1 + 1 {
+            let (stamps, rest) = self.depth[self.samples_of_row(rect, y)].as_chunks::<LANES>();
+            for stamp in stamps {
+                farthest = farthest.min(f32x16::load_array_ref(simd, stamp));
+            }
+            for &depth in rest {
+                farthest = farthest.min(splat(simd, depth));
+            }
+        }
+        farthest.to_array().into_iter().fold(f32::INFINITY, f32::min)
     }
 
     /// Is anything drawn at a sample?
