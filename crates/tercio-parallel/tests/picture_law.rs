@@ -6,6 +6,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_parallel::comm::Kind;
 use tercio_parallel::in_process::draw;
 use tercio_parallel::{
     Composition, Division, Encoding, FrameReport, Organisation, RankReport, Ranks, Sharing,
@@ -119,7 +120,7 @@ fn pixels_of_several_samples() {
     }
 }
 
-/// Ranks draw no clusters, and send no fragments, that are behind blocks of pixels that another rank has finished.
+/// Ranks draw no clusters, and send no fragments, that are behind what another rank hides.
 #[test]
 fn what_another_rank_hides_is_not_drawn() {
     let mut scene = scene("builtin:sphere@4k", 64);
@@ -170,6 +171,27 @@ fn what_another_rank_hides_is_not_drawn() {
         assert!(found[0].0 > 0 && found[1].0 > 0 && found[2].0 == 0, "{composition}: {found:?}");
         assert_eq!(found[0].1, 0, "{composition}: {found:?}");
     }
+}
+
+/// What a rank hides in many tiles is told in more than one message for each group of them; with another encoding, nothing is told.
+#[test]
+fn what_is_hidden_in_many_tiles() {
+    let mut scene = scene("builtin:sphere@4k", 64);
+    let moved = DAffine3::from_translation(DVec3::new(0.1, 0.1, -1.5));
+    scene.instances.push(Instance { world_from_object: moved, ..scene.instances[0].clone() });
+    let settings = Settings { tile_size: Some(8), ..Settings::new(1200, 900) };
+    let camera = camera(&scene, 1.5, false);
+    let told = |encoding: Encoding| {
+        let sharing = Sharing { encoding, ..Organisation::SortLast.into() };
+        let report = check(&scene, &camera, &settings, Ranks { count: 2, threads: 1, sharing }, "many tiles");
+        let told = report.by_kind().into_iter().find(|(kind, _)| *kind == Kind::Occlusion);
+        told.map(|(_, traffic)| (traffic.sent_messages, traffic.sent_bytes))
+    };
+    // Two ranks with four groups each.
+    let (messages, bytes) = told(Encoding::Visible).expect("ranks tell what they hide");
+    assert!(messages > 8, "{messages} messages");
+    assert!(bytes <= messages * 3600, "{bytes} bytes in {messages} messages");
+    assert_eq!(told(Encoding::Sparse), None);
 }
 
 /// Ranks send the layers of what is not opaque, in one round or in many.

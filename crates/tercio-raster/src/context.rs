@@ -61,8 +61,8 @@ pub struct FrameContext<'a> {
     /// no effect.
     pub nearest_of_others: Option<DepthBounds>,
     /// Behind which depth nothing is drawn in each block of pixels of the tiles that this is known of, because other ranks have drawn
-    /// nearer pixels in all of the block; 0 where it is not known, infinity where another rank has finished the block. It has an effect
-    /// where [`Self::nearest_of_others`] has one.
+    /// nearer pixels in all of the block; 0 where it is not known, infinity where another rank has finished the block. Of frames
+    /// that keep fragments, and where [`Self::has_blocks`] is so.
     pub hidden_by_others: Option<DepthBounds>,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.

@@ -10,7 +10,7 @@ use serde::Serialize;
 #[non_exhaustive]
 pub enum Encoding {
     /// Those in which something is drawn, as runs (active-pixel encoding), of the tiles that clusters reach. If there are several
-    /// samples per pixel and nothing is translucent, ranks tell each other what they hide while they draw, and what a rank knows to
+    /// samples per pixel, nothing is translucent and the filter is no wider than a pixel, ranks tell each other what they hide while they draw, and what a rank knows to
     /// be hidden is not sent; nor is it drawn.
     #[default]
     Visible,

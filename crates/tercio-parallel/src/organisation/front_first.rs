@@ -6,6 +6,7 @@
 //! one is in front, as they are told.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
 use tercio_raster::Frame;
 use tercio_raster::context::FrameContext;
@@ -58,11 +59,12 @@ pub fn draw(
             let hides = at.map_or(&[][..], |at| &found[at].finished.hides[..]);
             for to in shared.touched.ranks_of(tile).filter(|&to| to != rank) {
                 let message = messages.entry(to).or_default();
-                if message.len() + blocks * BYTES > MOST_BYTES {
+                let end = message.len() + size_of::<u32>() + blocks * BYTES;
+                if end > MOST_BYTES && !message.is_empty() {
                     comm.send(to, std::mem::take(message))?;
                 }
+                let end = message.len() + size_of::<u32>() + blocks * BYTES;
                 message.extend(tile.to_ne_bytes());
-                let end = message.len() + blocks * BYTES;
                 // The lower half of a depth is cut off: it becomes farther.
                 hides.iter().for_each(|&depth| put(depth, message));
                 message.resize(end, 0);
@@ -75,30 +77,50 @@ pub fn draw(
     }
     while !by_front.is_empty() {
         let mut awaited = Awaited::new(by_front.keys().copied());
-        let (from, message) = report.stages.wait.time(|| comm.receive_any(&mut awaited))?;
+        let mut arrived = vec![report.stages.wait.time(|| comm.receive_any(&mut awaited))?];
+        // What else has arrived is drawn together with that.
+        for from in awaited.iter() {
+            let message = comm.receive_within(from, Duration::ZERO)?;
+            arrived.extend(message.map(|message| (from, message)));
+        }
         let mut tiles = Vec::new();
-        let theirs = by_front.entry(from).or_default();
-        for of_tile in message.chunks(size_of::<u32>() + blocks * BYTES) {
-            let told = of_tile.split_first_chunk().filter(|(_, halves)| halves.len() == blocks * BYTES);
-            let (tile, halves) = told.ok_or_else(|| malformed(from))?;
-            let tile = u32::from_ne_bytes(*tile);
-            if !theirs.remove(&tile) {
-                return Err(malformed(from));
+        for (from, message) in arrived {
+            let theirs = by_front.entry(from).or_default();
+            let hidden = context.hidden_by_others.as_mut().ok_or_else(|| malformed(from))?;
+            read(&message, blocks, theirs, hidden, &mut tiles).ok_or_else(|| malformed(from))?;
+            if theirs.is_empty() {
+                by_front.remove(&from);
             }
-            let hidden = context.hidden_by_others.as_mut().and_then(|hidden| hidden.of_mut(tile));
-            for (hidden, half) in hidden.into_iter().flatten().zip(halves.chunks_exact(BYTES)) {
-                // Also infinity, of finished blocks; anything else is not a depth.
-                *hidden = Some(get(half)).filter(|depth| *depth >= 0.0).ok_or_else(|| malformed(from))?;
-            }
-            tiles.push(tile);
         }
-        if theirs.is_empty() {
-            by_front.remove(&from);
-        }
+        tiles.sort_unstable();
         own.draw_tiles(context, &tiles, frame, report);
         drawn.append(&mut frame.fragments);
     }
     Ok(drawn)
+}
+
+/// Reads what a rank hides in some of its tiles, which are removed from those that it has not told of, and appended to the `told`
+/// ones; `None` if that cannot be.
+fn read(
+    message: &[u8],
+    blocks: usize,
+    left: &mut BTreeSet<u32>,
+    hidden: &mut DepthBounds,
+    told: &mut Vec<u32>,
+) -> Option<()> {
+    for of_tile in message.chunks(size_of::<u32>() + blocks * BYTES) {
+        let (tile, halves) = of_tile.split_first_chunk()?;
+        let tile = u32::from_ne_bytes(*tile);
+        let is_whole = halves.len() == blocks * BYTES && left.remove(&tile);
+        for (hidden, half) in
+            hidden.of_mut(tile).filter(|_| is_whole)?.iter_mut().zip(halves.chunks_exact(BYTES))
+        {
+            // Also infinity, of finished blocks; anything else is not a depth.
+            *hidden = Some(get(half)).filter(|depth| *depth >= 0.0)?;
+        }
+        told.push(tile);
+    }
+    Some(())
 }
 
 /// Consecutive tiles in groups of about the same work.
@@ -113,4 +135,56 @@ fn groups(tiles: BTreeSet<u32>, work: impl Fn(u32) -> u64) -> Vec<Vec<u32>> {
     }
     groups.retain(|tiles| !tiles.is_empty());
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use tercio_raster::TileSet;
+    use tercio_raster::screen::TileGrid;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn groups_have_all_tiles_in_their_order_and_about_the_same_work(
+            work in prop::collection::vec(0u64..100, 0..40),
+        ) {
+            let tiles: BTreeSet<u32> = (0..work.len() as u32).map(|number| 3 * number).collect();
+            let found = groups(tiles.clone(), |tile| work[tile as usize / 3]);
+            prop_assert!(found.len() <= GROUPS as usize && found.iter().all(|tiles| !tiles.is_empty()));
+            prop_assert!(found.iter().flatten().eq(&tiles));
+            // No group has more than its share and half of its first and last tile.
+            let most = work.iter().max().copied().unwrap_or(0);
+            for tiles in found {
+                let sum: u64 = tiles.iter().map(|&tile| work[tile as usize / 3]).sum();
+                prop_assert!(sum <= work.iter().sum::<u64>() / GROUPS + most + 2, "{sum}");
+            }
+        }
+    }
+
+    /// Two tiles of four blocks, of which a rank is in front in the second.
+    #[test]
+    fn what_a_rank_cannot_tell_is_refused() {
+        let grid = TileGrid::new(32, 16, 16, TileSet::ALL);
+        let told = |message: &[u8]| {
+            let (mut left, mut tiles) = (BTreeSet::from([1]), Vec::new());
+            let mut hidden = DepthBounds::new(&grid, vec![0, 1]);
+            read(message, 4, &mut left, &mut hidden, &mut tiles)?;
+            Some((left.len(), tiles, hidden.of(1).expect("a tile").to_vec()))
+        };
+        let mut good = 1u32.to_ne_bytes().to_vec();
+        [0.0, 0.5, 2.0, f32::INFINITY].into_iter().for_each(|depth| put(depth, &mut good));
+        assert_eq!(told(&good), Some((0, vec![1], vec![0.0, 0.5, 2.0, f32::INFINITY])));
+        assert_eq!(told(&[]), Some((1, Vec::new(), vec![0.0; 4])));
+        let other = [&0u32.to_ne_bytes()[..], &good[4..]].concat();
+        let wrong = [f32::NAN, -1.0].map(|depth| {
+            let mut message = good[..10].to_vec();
+            put(depth, &mut message);
+            message
+        });
+        for message in [&good[..11], &good[..3], &[&good[..], &good].concat(), &other, &wrong[0], &wrong[1]] {
+            assert_eq!(told(message), None, "{message:?}");
+        }
+    }
 }

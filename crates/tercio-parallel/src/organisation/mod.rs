@@ -119,7 +119,7 @@ pub struct Sharing {
     pub division: Division,
     /// How pixels of the same tiles are composited; without meaning for sort-first and sort-middle.
     pub composition: Composition,
-    /// Which pixels are sent then.
+    /// Which pixels are sent then, and whether ranks tell each other what they hide.
     pub encoding: Encoding,
 }
 

@@ -8,6 +8,7 @@
 //! where nothing opaque is in front of them.
 //!
 //! Ranks that know how near others draw ([`FrameContext::nearest_of_others`](crate::context::FrameContext::nearest_of_others))
+//! keep nothing of what these hide ([`FrameContext::hidden_by_others`](crate::context::FrameContext::hidden_by_others)), and
 //! finish blocks of pixels instead, in which no fragment of the others can be visible. If others may have hidden fragments in such blocks, the
 //! owner of the tile has to discard these: a run of consecutive blocks is recorded among the fragments as a head with an empty mask,
 //! whose place is the number of the first block, and whose primitive is the length of the run.

@@ -93,10 +93,11 @@ impl SharedTiles {
     }
 
     /// What ranks tell each other before and while they draw the tiles, so that blocks of pixels are finished: how near they may draw, to
-    /// the owners of tiles and back, and what the rank in front has finished, in up to four messages to each other rank.
+    /// the owners of tiles and back, and what the rank in front hides, in up to four messages to each other rank, or as many as its bytes
+    /// need.
     pub fn telling(&self, stage: &Stage) -> Composited {
         /// Messages to each partner on average, and bytes of a tile of 64 pixels.
-        const EXCHANGES: [[f64; 2]; 3] = [[1.0, 128.0], [1.0, 132.0], [2.0, 8.0]];
+        const EXCHANGES: [[f64; 2]; 3] = [[1.0, 128.0], [1.0, 132.0], [2.0, 132.0]];
         if !stage.rates.finishes_blocks || self.participants() < 2 {
             return Composited::default();
         }

@@ -114,6 +114,7 @@ impl SampleMemory {
     }
 
     /// The pixels of a block that are in memory, counted from the first one there.
+    #[inline(always)]
     pub fn block(&self, number: usize, across: usize) -> PixelRect {
         let PixelRect { x0, x1, y0, y1 } = self.rect;
         block(number, across).intersect(PixelRect { x0: 0, x1: x1 - x0, y0: 0, y1: y1 - y0 })
@@ -169,17 +170,14 @@ impl SampleMemory {
             return true;
         }
         let PixelRect { x0, y0, .. } = self.rect;
-        let local = |r: PixelRect| PixelRect { x0: r.x0 - x0, x1: r.x1 - x0, y0: r.y0 - y0, y1: r.y1 - y0 };
-        let (rect, all) = (local(rect), local(self.rect));
+        let rect = PixelRect { x0: rect.x0 - x0, x1: rect.x1 - x0, y0: rect.y0 - y0, y1: rect.y1 - y0 };
         for row in rect.y0 >> BLOCK_BITS..(rect.y1 >> BLOCK_BITS) + 1 {
             for column in rect.x0 >> BLOCK_BITS..(rect.x1 >> BLOCK_BITS) + 1 {
                 let number = row as usize * BLOCKS + column as usize;
                 if self.known[number] >= depth {
                     continue;
                 }
-                let (x0, y0) = (column << BLOCK_BITS, row << BLOCK_BITS);
-                let last = (1 << BLOCK_BITS) - 1;
-                let block = PixelRect { x0, x1: x0 + last, y0, y1: y0 + last }.intersect(all);
+                let block = self.block(number, BLOCKS);
                 let part = block.intersect(rect);
                 if !self.are_nearer(simd, part, depth) {
                     return false;
