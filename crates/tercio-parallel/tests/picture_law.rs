@@ -173,7 +173,7 @@ fn what_another_rank_hides_is_not_drawn() {
     }
 }
 
-/// What a rank hides in many tiles is told in more than one message for each group of them; with another encoding, nothing is told.
+/// What a rank hides in many tiles is sent in more than one message for each group of them; with sparse encoding nothing is sent.
 #[test]
 fn what_is_hidden_in_many_tiles() {
     let mut scene = scene("builtin:sphere@4k", 64);

@@ -242,8 +242,7 @@ fn sort_last_sends_what_each_composition_moves() {
                         *sum += TRAILER + sole.iter().map(shown).sum::<u64>() + merged;
                     }
                 }
-                let encoding = Encoding::Sparse;
-                let sharing = Sharing { composition, encoding, ..Organisation::SortLast.into() };
+                let sharing = Sharing { composition, ..Organisation::SortLast.into() };
                 let found = report(&scene, &camera, count, sharing);
                 assert_eq!(sent(&found), expected, "{model}, {count} ranks, {composition}");
             }

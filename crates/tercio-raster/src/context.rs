@@ -185,15 +185,19 @@ impl<'a> FrameContext<'a> {
     /// How near other ranks draw in each block of a tile, if that is known and has an effect.
     #[inline(always)]
     pub(crate) fn others_in(&self, tile: u32) -> Option<&[f32]> {
-        let counts = self.settings.keep_fragments && self.has_blocks();
-        self.nearest_of_others.as_ref().filter(|_| counts)?.of(tile)
+        self.nearest_of_others.as_ref().filter(|_| self.knows_others())?.of(tile)
     }
 
     /// Behind which depth nothing is seen in each block of a tile, if that is known and has an effect.
     #[inline(always)]
     pub(crate) fn hidden_in(&self, tile: u32) -> Option<&[f32]> {
-        let counts = self.settings.keep_fragments && self.has_blocks();
-        self.hidden_by_others.as_ref().filter(|_| counts)?.of(tile)
+        self.hidden_by_others.as_ref().filter(|_| self.knows_others())?.of(tile)
+    }
+
+    /// Does what is known of other ranks have an effect?
+    #[inline(always)]
+    fn knows_others(&self) -> bool {
+        self.settings.keep_fragments && self.has_blocks()
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.

@@ -266,8 +266,8 @@ fn composite_pixels(
             let mut packet = Vec::new();
             let rect = keyed.grid.rect(tile, keyed.size());
             match encoding {
+                Encoding::Visible | Encoding::Sparse => _ = pack_drawn(drawn, rect, &planes, &mut packet),
                 Encoding::Dense => pack_all(drawn, rect, &planes, &mut packet),
-                _ => _ = pack_drawn(drawn, rect, &planes, &mut packet),
             }
             (tile, packet)
         };

@@ -1,9 +1,9 @@
 //! Tiles that several ranks have, drawn first by the rank that is in front in most of their blocks: what is behind that, the others need
 //! not draw.
 //!
-//! A rank draws the tiles in which it is in front in a few groups with about the same work, and tells the others after each group
-//! behind which depth it hides everything: so they need not wait until it has drawn everything. Then it draws the tiles in which another
-//! one is in front, as they are told.
+//! A rank draws the tiles in which it is in front in a few groups with about the same work. After each group it sends the others the
+//! depths behind which it hides everything, so that they need not wait until it has drawn everything. Then it draws the tiles in which
+//! another rank is in front, as messages about them arrive.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -59,11 +59,11 @@ pub fn draw(
             let hides = at.map_or(&[][..], |at| &found[at].finished.hides[..]);
             for to in shared.touched.ranks_of(tile).filter(|&to| to != rank) {
                 let message = messages.entry(to).or_default();
-                let end = message.len() + size_of::<u32>() + blocks * BYTES;
-                if end > MOST_BYTES && !message.is_empty() {
+                let bytes = size_of::<u32>() + blocks * BYTES;
+                if message.len() + bytes > MOST_BYTES && !message.is_empty() {
                     comm.send(to, std::mem::take(message))?;
                 }
-                let end = message.len() + size_of::<u32>() + blocks * BYTES;
+                let end = message.len() + bytes;
                 message.extend(tile.to_ne_bytes());
                 // The lower half of a depth is cut off: it becomes farther.
                 hides.iter().for_each(|&depth| put(depth, message));

@@ -14,7 +14,7 @@ use tercio_parallel::composite::exchange::TILE_HEAD;
 use tercio_parallel::composite::packet::SPAN_HEAD;
 use tercio_parallel::composite::{Shared, Touched};
 use tercio_parallel::organisation::envelope::TRAILER;
-use tercio_parallel::{Composition, Division, Encoding, Organisation, RankReport};
+use tercio_parallel::{Composition, Division, Organisation, RankReport};
 use tercio_raster::frame::Pixel;
 use tercio_raster::screen::{PixelRect, TileGrid};
 use tercio_raster::{Frame, TileSet};
@@ -44,8 +44,7 @@ pub struct Sharing {
 impl Sharing {
     /// The same for the renderer's ranks.
     pub fn of_ranks(&self) -> tercio_parallel::Sharing {
-        let encoding = Encoding::Sparse;
-        tercio_parallel::Sharing { division: self.division, encoding, ..self.organisation.into() }
+        tercio_parallel::Sharing { division: self.division, ..self.organisation.into() }
     }
 
     /// The tiles.

@@ -108,12 +108,8 @@ impl SampleMemory {
 
     /// Removes what was drawn in some pixels, counted from the first one in memory.
     fn clear_pixels(&mut self, rect: PixelRect) {
-        if rect.is_empty() {
-            return;
-        }
         self.fill_depth(rect, 0.0);
-        for y in rect.y0..rect.y1 + 1 {
-            let samples = self.samples_of_row(rect, y);
+        for samples in self.rows_of_samples(rect) {
             self.fragment[samples].fill(NO_FRAGMENT);
         }
     }

@@ -122,19 +122,20 @@ impl SampleMemory {
 
     /// Sets the depth of the samples of some pixels, counted from the first one in memory.
     pub fn fill_depth(&mut self, rect: PixelRect, depth: f32) {
-        if rect.is_empty() {
-            return;
-        }
-        for y in rect.y0..rect.y1 + 1 {
-            let samples = self.samples_of_row(rect, y);
+        for samples in self.rows_of_samples(rect) {
             self.depth[samples].fill(depth);
         }
     }
 
-    /// The samples of the pixels of a row of a rectangle that is not empty.
-    pub fn samples_of_row(&self, rect: PixelRect, y: i32) -> Range<usize> {
-        let first = (y as usize) << self.stride_bits;
-        (first + rect.x0 as usize) << self.count_bits..(first + rect.x1 as usize + 1) << self.count_bits
+    /// The samples of some pixels, counted from the first one in memory, row by row; none if there are no pixels.
+    #[inline(always)]
+    pub fn rows_of_samples(&self, rect: PixelRect) -> impl Iterator<Item = Range<usize>> + use<> {
+        let (stride_bits, count_bits) = (self.stride_bits, self.count_bits);
+        let rows = if rect.is_empty() { 0..0 } else { rect.y0..rect.y1 + 1 };
+        rows.map(move |y| {
+            let first = (y as usize) << stride_bits;
+            (first + rect.x0 as usize) << count_bits..(first + rect.x1 as usize + 1) << count_bits
+        })
     }
 
     /// The depth of the farthest sample of some pixels, counted from the first one in memory; 0 if there are none.
@@ -144,8 +145,8 @@ impl SampleMemory {
             return 0.0;
         }
         let mut farthest = splat(simd, f32::INFINITY);
-        for y in rect.y0..rect.y1 + 1 {
-            let (stamps, rest) = self.depth[self.samples_of_row(rect, y)].as_chunks::<LANES>();
+        for samples in self.rows_of_samples(rect) {
+            let (stamps, rest) = self.depth[samples].as_chunks::<LANES>();
             for stamp in stamps {
                 farthest = farthest.min(f32x16::load_array_ref(simd, stamp));
             }
