@@ -5,7 +5,7 @@ use std::fmt::{self, Debug};
 
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
 use tercio_mesh::checksum;
-use tercio_raster::{Part, Settings, TileSet};
+use tercio_raster::{ClusterSet, Settings, TileSet};
 use tercio_scene::{Instance, Scene, SurfaceEdges};
 
 use crate::ParallelError;
@@ -162,7 +162,7 @@ fn texts(task: &Task, ranks: usize, how: String) -> impl Fn(Matter) -> String {
         height: 1,
         tile_size: Some(tile_edge(scene, settings, sharing.organisation, ranks)),
         shadows: None,
-        clusters: Part::WHOLE,
+        clusters: ClusterSet::ALL,
         tiles: TileSet::ALL,
         layer_memory: 0,
         simd: None,

@@ -15,7 +15,7 @@
 //! | [`between_processes`] | the same where every rank is a process of its own |
 //!
 //! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whichever rank
-//! draws them ([`tercio_raster::Part`]), and visibility is decided by [`tercio_raster::frame::visibility_key`]
+//! draws them ([`tercio_raster::ClusterSet`], [`tercio_raster::TileSet`]), and visibility is decided by [`tercio_raster::frame::visibility_key`]
 //! (beyond 2^32 primitives [`tercio_raster::frame::wide_key`]) within a rank as between ranks; so the picture is that of one process.
 //!
 //! # Example

@@ -13,7 +13,7 @@ use tercio_parallel::in_process::draw;
 use tercio_parallel::{Composition, Division, Encoding, FrameReport, Organisation, Ranks, Sharing};
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
-use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
+use tercio_raster::{ClusterSet, Frame, Outputs, Part, Renderer, Settings};
 use tercio_scene::{Background, Camera, Projection, Scene};
 
 const TRAILER: u64 = 16;
@@ -75,10 +75,10 @@ fn sent(report: &FrameReport) -> Sent {
     report.ranks.iter().map(|rank| (rank.traffic.sent_messages, rank.traffic.sent_bytes)).collect()
 }
 
-/// What a renderer alone draws with a part of the clusters, and the tiles in which its front end finds something.
-fn drawn(scene: &Scene, camera: &Camera, part: Part) -> (Frame, Vec<bool>) {
+/// What a renderer alone draws with some of the clusters, and the tiles in which its front end finds something.
+fn drawn(scene: &Scene, camera: &Camera, clusters: ClusterSet) -> (Frame, Vec<bool>) {
     let outputs = Outputs { keys: true, ..settings().outputs };
-    let settings = Settings { clusters: part, outputs, ..settings() };
+    let settings = Settings { clusters, outputs, ..settings() };
     let frame = Renderer::new().render(scene, camera, &settings).expect("a picture");
     let context = FrameContext::new(scene, camera, &settings, 1).expect("a context");
     let mut sorted = Sorted::default();
@@ -104,7 +104,7 @@ const MODELS: [&str; 3] = ["builtin:teapot@3k", "builtin:soup@500", "builtin:sph
 fn sort_first_and_sort_middle_send_what_their_tiles_show() {
     for model in MODELS {
         let (scene, camera) = made(model);
-        let (whole, _) = drawn(&scene, &camera, Part::WHOLE);
+        let (whole, _) = drawn(&scene, &camera, ClusterSet::ALL);
         for count in [1, 2, 3, 7, 12, TILES + 2] {
             // Tile k belongs to rank k modulo the number of ranks.
             let mut finished: Sent = vec![(0, 0); count];
@@ -124,7 +124,8 @@ fn sort_first_and_sort_middle_send_what_their_tiles_show() {
             let middle =
                 report(&scene, &camera, count, Sharing { division, ..Organisation::SortMiddle.into() });
             let others = count as u64 - 1;
-            let of_rank = |number| drawn(&scene, &camera, Part { number: number as u32, of: count as u32 }).1;
+            let clusters = |number| Part { number, of: count as u32 }.range(scene.cluster_count() as u32);
+            let of_rank = |number| drawn(&scene, &camera, clusters(number as u32).into()).1;
             let found: Vec<Vec<bool>> = (0..count).map(of_rank).collect();
             let is_for =
                 |from: usize, to: usize| (0..TILES).any(|tile| tile % count == to && found[from][tile]);
@@ -211,8 +212,11 @@ fn sort_last_sends_what_each_composition_moves() {
     for model in MODELS {
         let (scene, camera) = made(model);
         for count in [2, 3, 5, 8] {
-            let of_rank = |number| drawn(&scene, &camera, Part { number: number as u32, of: count as u32 });
-            let (frames, found): (Vec<_>, Vec<_>) = (0..count).map(of_rank).unzip();
+            let whole = settings();
+            let context = FrameContext::new(&scene, &camera, &whole, 1).expect("a context");
+            let sets = Renderer::divide_clusters(&context, count);
+            let (frames, found): (Vec<_>, Vec<_>) =
+                sets.into_iter().map(|clusters| drawn(&scene, &camera, clusters)).unzip();
             let touched = Touched::new(TILES, found.iter().map(|found| |tile: u32| found[tile as usize]));
             let ranks_of = |tile: u32| (0..count).filter(|&rank| found[rank][tile as usize]).count();
             let tiles: Vec<u32> = (0..TILES as u32).filter(|&tile| ranks_of(tile) > 1).collect();

@@ -6,6 +6,7 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 
+use crate::cluster_set::ClusterSet;
 use crate::conventions::{MAX_CLUSTERS, MAX_NUMBERS, SUBPIXELS};
 use crate::data::{DataTable, check_data};
 use crate::depth_bounds::DepthBounds;
@@ -67,6 +68,8 @@ pub struct FrameContext<'a> {
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
+    /// The clusters that the front end sorts: those that the settings select.
+    pub drawn_clusters: ClusterSet,
     /// Number of each instance's first primitive.
     first_primitive: Vec<u64>,
     /// Number of each instance's first input face.
@@ -148,6 +151,7 @@ impl<'a> FrameContext<'a> {
             hidden_by_others: None,
             is_translucent,
             first_cluster,
+            drawn_clusters: settings.clusters.clone(),
             first_primitive,
             first_face,
             is_wide: triangles >= u64::from(NO_PRIMITIVE),

@@ -63,7 +63,7 @@
 //!   shifted camera ([`Camera::shift`](tercio_scene::Camera)) has it elsewhere than in the centre, even outside.
 //! * **Winner**: a sample at which a triangle passed the depth test.
 //! * **Look**: the shading features that an instance and the settings require.
-//! * **Part**: one of several equal shares of the clusters, or of the entries of a tile.
+//! * **Part**: one of several equal shares of some clusters, or of the entries of a tile.
 //! * **Rank**: one of the processes that draw a picture together.
 //! * **Key**: depth and primitive number in one number of 64 bits, so that the larger key is visible
 //!   ([`visibility_key`](crate::frame::visibility_key)). **Tie**: if primitive numbers need more, which is *wide*, the key has the upper

@@ -34,6 +34,7 @@
 
 mod backend;
 pub mod binning;
+mod cluster_set;
 pub mod color;
 pub mod context;
 pub mod conventions;
@@ -62,6 +63,7 @@ pub mod tone;
 pub mod view;
 
 pub use backend::encode::color8_lanes;
+pub use cluster_set::ClusterSet;
 pub use error::RenderError;
 pub use frame::{Frame, Outputs};
 pub use renderer::Renderer;

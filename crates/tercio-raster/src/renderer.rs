@@ -12,6 +12,7 @@ use tercio_scene::{Camera, Scene};
 use crate::backend::tally::Tally;
 use crate::backend::{self, Scratch, Stage, TileTask};
 use crate::binning::{Bins, Sorted};
+use crate::cluster_set::{self, ClusterSet};
 use crate::context::FrameContext;
 use crate::dispatch;
 use crate::error::RenderError;
@@ -102,28 +103,26 @@ impl Renderer {
     /// The front end: sorts the clusters that the settings select into the tiles of the frame.
     pub fn sort(&mut self, context: &FrameContext, sorted: &mut Sorted) {
         let level = level(context);
-        let drawn = context.settings.clusters.range(context.clusters());
-        let clusters = drawn.len();
-        let batches = batches(clusters, context.workers);
+        let drawn = context.drawn_clusters.ranges(context.clusters());
+        let batches = batches(drawn.iter().map(Range::len).sum(), context.workers);
         sorted.bins.resize_with(batches, Bins::default);
-        let counts = sorted.bins.par_iter_mut().enumerate().with_max_len(1).map(|(i, bins)| {
-            let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
-            sort_clusters(level, context, share(i)..share(i + 1), bins)
-        });
+        let shares = cluster_set::divide(&drawn, batches);
+        let both = sorted.bins.par_iter_mut().zip(&shares).with_max_len(1);
+        let counts = both.map(|(bins, clusters)| sort_clusters(level, context, clusters, bins));
         sorted.counts = counts.reduce(FrontEndCounts::default, FrontEndCounts::plus);
     }
 
     /// The counts of the front end alone: sorts the clusters that the settings select, a few at a time, and discards the
     /// result, so that memory does not grow with the scene.
     pub fn count_front_end(context: &FrameContext) -> FrontEndCounts {
-        const CLUSTERS_AT_A_TIME: u32 = 256;
+        const CLUSTERS_AT_A_TIME: usize = 256;
         let level = level(context);
-        let drawn = context.settings.clusters.range(context.clusters());
-        let batches = (drawn.len() as u32).div_ceil(CLUSTERS_AT_A_TIME);
-        let counts = (0..batches).into_par_iter().map_init(Bins::default, |bins, batch| {
-            let first = drawn.start + batch * CLUSTERS_AT_A_TIME;
-            sort_clusters(level, context, first..(first + CLUSTERS_AT_A_TIME).min(drawn.end), bins)
-        });
+        let drawn = context.drawn_clusters.ranges(context.clusters());
+        let batches = drawn.iter().map(Range::len).sum::<usize>().div_ceil(CLUSTERS_AT_A_TIME).max(1);
+        let shares = cluster_set::divide(&drawn, batches);
+        let counts = shares
+            .par_iter()
+            .map_init(Bins::default, |bins, clusters| sort_clusters(level, context, clusters, bins));
         counts.reduce(FrontEndCounts::default, FrontEndCounts::plus)
     }
 
@@ -131,6 +130,15 @@ impl Renderer {
     /// of picture and tiles. It looks at some thousands of clusters, whatever the size of the scene.
     pub fn estimate_load(context: &FrameContext) -> Vec<u64> {
         frontend::estimate_load(context)
+    }
+
+    /// Divides the clusters of the scene among `parts` ranks, at least 1, that draw and then composite them: into sets with about the
+    /// same work, of which each is compact in the picture, so that little of one is hidden by another and few tiles are of several.
+    /// It depends on nothing but scene, camera, and size of picture and tiles; it looks at some thousands of clusters.
+    ///
+    /// Source: Samanta et al., "Hybrid Sort-First and Sort-Last Parallel Rendering with a Cluster of PCs" (2000).
+    pub fn divide_clusters(context: &FrameContext, parts: usize) -> Vec<ClusterSet> {
+        frontend::divide_clusters(context, parts)
     }
 
     /// The back end: draws a set of the frame's tiles from what was sorted into them. The pixels of other tiles keep
@@ -296,10 +304,10 @@ impl DrawTile for BackEndCounts {
 fn sort_clusters(
     level: Level,
     context: &FrameContext,
-    clusters: Range<u32>,
+    clusters: &[Range<u32>],
     bins: &mut Bins,
 ) -> FrontEndCounts {
-    dispatch!(level, simd => frontend::run(simd, context, clusters.clone(), bins))
+    dispatch!(level, simd => frontend::run(simd, context, clusters, bins))
 }
 
 /// The SIMD level of a frame. The settings were checked when its context was made.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use tercio_scene::{Framing, Surface};
 
+use crate::cluster_set::ClusterSet;
 use crate::error::RenderError;
 use crate::frame::Outputs;
 use crate::sampling::Sampling;
@@ -205,9 +206,8 @@ pub struct Settings {
     pub binning: Binning,
     /// Whether whole clusters are tested before their triangles.
     pub cluster_culling: bool,
-    /// Which clusters are drawn: a share of consecutive ones. Any other than [`Part::WHOLE`] draws an incomplete
-    /// picture, to be composed with the others.
-    pub clusters: Part,
+    /// Which clusters are drawn. Any set but [`ClusterSet::ALL`] draws an incomplete picture, to be composed with the others.
+    pub clusters: ClusterSet,
     /// Which tiles are drawn. The pixels of the others keep their values in the frame. Any set but [`TileSet::ALL`]
     /// requires that [`Settings::tile_size`] is given, and must be made for the resulting number of tiles.
     pub tiles: TileSet,
@@ -248,7 +248,7 @@ impl Settings {
             sorting: Sorting::default(),
             binning: Binning::default(),
             cluster_culling: true,
-            clusters: Part::WHOLE,
+            clusters: ClusterSet::ALL,
             tiles: TileSet::ALL,
             last_stage: LastStage::default(),
             layer_memory: LAYER_MEMORY,
@@ -353,10 +353,6 @@ impl Settings {
         if self.keep_fragments && self.unresolved {
             let range = "`false` where samples are kept".to_string();
             return setting("keeping fragments", range, "true".into());
-        }
-        if self.clusters.number >= self.clusters.of {
-            let range = format!("below {}", self.clusters.of);
-            return setting("part of the clusters", range, self.clusters.number.to_string());
         }
         let tiles = self.tiles_of(self.tile_edge());
         if let Some(made_for) = self.tiles.tiles().filter(|&of| of != tiles || self.tile_size.is_none()) {

@@ -1,6 +1,8 @@
 //! Which clusters may be seen, and in which tiles, from the bounds of some of them: what ranks know of a frame before they
 //! draw it.
 
+use std::ops::Range;
+
 use tercio_mesh::cluster::Cluster;
 
 use crate::context::FrameContext;
@@ -9,6 +11,12 @@ use crate::view::{ObjectView, View};
 
 /// The share of the box of a cluster on the screen that its triangles cover.
 pub const COVERED_OF_BOX: f64 = 0.3;
+
+/// The work of a covered pixel in that of a triangle.
+pub const WORK_OF_PIXEL: f64 = 1.0;
+
+/// The share of a cluster's work that is done even where it is hidden: only whole clusters are found to be.
+const WORK_OF_HIDDEN: f64 = 0.5;
 
 /// How much of a scene is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,11 +89,11 @@ impl Survey {
         Self { seen, step: f64::from(step) * skipped as f64, looked_at }
     }
 
-    /// Passes every tile that each of the clusters may reach, in the order of the clusters. The context may be one of another
+    /// Passes every tile that each of the clusters, by its place in `seen`, may reach, in their order. The context may be one of another
     /// grid than that of the survey, of the same picture.
-    pub fn visits(&self, context: &FrameContext, mut each: impl FnMut(&Seen, Visit)) {
+    pub fn visits(&self, context: &FrameContext, mut each: impl FnMut(usize, Visit)) {
         let (grid, size, step) = (&context.grid, context.size(), self.step);
-        for seen in &self.seen {
+        for (place, seen) in self.seen.iter().enumerate() {
             let Seen { rect: rect @ [x0, x1, y0, y1], triangles, .. } = *seen;
             let across = f64::from(x1 - x0 + 1) * f64::from(y1 - y0 + 1);
             let triangles = triangles * step;
@@ -99,10 +107,77 @@ impl Survey {
                 let covered = overlap(x0, x1, own.x0, own.x1) * overlap(y0, y1, own.y0, own.y1);
                 let of_tile = f64::from(own.x1 - own.x0 + 1) * f64::from(own.y1 - own.y0 + 1);
                 let triangles = triangles * (0.25 + 0.75 * covered / across);
-                each(seen, Visit { tile, triangles, pixels: covered * step, of_tile });
+                each(place, Visit { tile, triangles, pixels: covered * step, of_tile });
             }
         }
     }
+
+    /// Passes with every visit the triangles and the pixels that are estimated to be drawn: what is hidden by clusters in front counts
+    /// less.
+    pub fn work(&self, context: &FrameContext, mut each: impl FnMut(usize, Visit, f64, f64)) {
+        let mut hidden = vec![0.0; context.grid.count()];
+        self.visits(context, |place, visit| {
+            let hidden = &mut hidden[visit.tile as usize];
+            let seen: f64 = 1.0 - *hidden;
+            let covered = seen * (visit.pixels * COVERED_OF_BOX);
+            let triangles = visit.triangles * (WORK_OF_HIDDEN + (1.0 - WORK_OF_HIDDEN) * seen);
+            *hidden = (*hidden + covered / visit.of_tile).min(1.0);
+            each(place, visit, triangles, covered);
+        });
+    }
+
+    /// Divides the clusters among `ranks`, at least 1: returns the rank of each. The picture is cut in two where the work on both
+    /// sides is in the proportion of the ranks, across its longer side, and each part again.
+    pub fn divide(&self, context: &FrameContext, ranks: usize) -> Vec<u32> {
+        let sites = self.seen.iter().enumerate().map(|(place, seen)| {
+            let [x0, x1, y0, y1] = seen.rect;
+            Site { middle: [x0 + x1, y0 + y1], number: seen.number, place, work: 0.0 }
+        });
+        let mut sites: Vec<Site> = sites.collect();
+        self.work(context, |place, _, triangles, pixels| {
+            sites[place].work += triangles + pixels * WORK_OF_PIXEL;
+        });
+        let mut owners = vec![0; sites.len()];
+        bisect(&mut sites, 0..ranks as u32, &mut owners);
+        owners
+    }
+}
+
+/// A cluster as it is divided.
+#[derive(Clone, Copy)]
+struct Site {
+    /// Twice the middle of its pixels, across and down.
+    middle: [u32; 2],
+    number: u32,
+    /// Its place in [`Survey::seen`].
+    place: usize,
+    work: f64,
+}
+
+/// Divides clusters among ranks, and sets the `owners` of their places.
+fn bisect(sites: &mut [Site], ranks: Range<u32>, owners: &mut [u32]) {
+    if ranks.len() <= 1 || sites.is_empty() {
+        sites.iter().for_each(|site| owners[site.place] = ranks.start);
+        return;
+    }
+    let length = |axis: usize| {
+        let along = |site: &Site| site.middle[axis];
+        let (first, last) = (sites.iter().map(along).min(), sites.iter().map(along).max());
+        last.unwrap_or(0) - first.unwrap_or(0)
+    };
+    let axis = usize::from(length(1) > length(0));
+    sites.sort_unstable_by_key(|site| (site.middle[axis], site.number));
+    let half = ranks.len() as u32 / 2;
+    let all: f64 = sites.iter().map(|site| site.work).sum();
+    let share = all * f64::from(half) / ranks.len() as f64;
+    let mut before = 0.0;
+    let cut = sites.iter().position(|site| {
+        before += site.work;
+        before - site.work * 0.5 > share
+    });
+    let (first, second) = sites.split_at_mut(cut.unwrap_or(sites.len()));
+    bisect(first, ranks.start..ranks.start + half, owners);
+    bisect(second, ranks.start + half..ranks.end, owners);
 }
 
 /// The distance of a cluster, and the pixels inside the picture that it may reach, approximately; `None` if there are none.

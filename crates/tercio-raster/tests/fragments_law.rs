@@ -19,7 +19,7 @@ use tercio_scene::{Camera, Instance, Scene};
 /// The fragments of each part of a frame.
 fn parts(scene: &Scene, camera: &Camera, settings: &Settings, of: u32) -> Vec<Vec<TileFragments>> {
     let part = |number: u32| {
-        let clusters = Part { number, of };
+        let clusters = Part { number, of }.range(scene.cluster_count() as u32).into();
         let settings = Settings { clusters, keep_fragments: true, ..settings.clone() };
         let frame = Renderer::new().render(scene, camera, &settings).expect("fragments");
         assert_eq!((frame.planes.color.len(), frame.planes.linear.len()), (0, 0), "there are planes");
@@ -93,7 +93,8 @@ fn bounds(
     of: u32,
 ) -> Vec<DepthBounds> {
     let part = |number: u32| {
-        let own = Settings { clusters: Part { number, of }, ..settings.clone() };
+        let clusters = Part { number, of }.range(scene.cluster_count() as u32).into();
+        let own = Settings { clusters, ..settings.clone() };
         let own = FrameContext::new(scene, camera, &own, 1).expect("a frame");
         let mut sorted = Sorted::default();
         Renderer::new().sort(&own, &mut sorted);
@@ -147,6 +148,7 @@ fn blocks_that_are_finished_are_those_of_the_picture() {
                     }
                 }
                 let clusters = Part { number: number as u32, of: PARTS };
+                let clusters = clusters.range(scene.cluster_count() as u32).into();
                 let own = Settings { clusters, keep_fragments: true, ..settings.clone() };
                 let mut own = FrameContext::new(&scene, &camera, &own, workers).expect("a frame");
                 own.nearest_of_others = Some(others);

@@ -6,7 +6,7 @@ use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
-use tercio_raster::{Renderer, Settings};
+use tercio_raster::{ClusterSet, Renderer, Settings};
 use tercio_scene::{Camera, Projection, Scene};
 
 /// The estimate, and the entries of the bins, of each tile.
@@ -46,6 +46,64 @@ fn the_estimate_follows_the_bins() {
                 "{model}: the shares differ by {apart}, even ones by {of_even_shares}"
             );
         }
+    }
+}
+
+/// Every cluster is in one set; each set has about the same work, and together they have little more than the whole.
+#[test]
+fn clusters_are_divided_by_visible_work() {
+    for model in ["builtin:gyroid@200k", "builtin:terrain@200k", "builtin:teapot@200k"] {
+        let mesh = builtin::make(model).expect("a model");
+        let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+        let settings = Settings { tile_size: Some(32), ..Settings::one_sample(640, 480) };
+        let near = settings.framing().camera_for_scene(&scene);
+        // From behind, where the first clusters are hidden, and so near that most are outside the picture.
+        let behind = Camera { eye: near.target * 2.0 - near.eye, ..near };
+        let inside = Camera { eye: near.target + (near.eye - near.target) * 0.4, ..near };
+        for camera in [near, behind, inside] {
+            let drawn = |clusters: ClusterSet| {
+                let settings = Settings { clusters, ..settings.clone() };
+                let stats = Renderer::new().render(&scene, &camera, &settings).expect("a picture").stats;
+                stats.backend.triangles_drawn as f64
+            };
+            let whole = drawn(ClusterSet::ALL);
+            let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
+            let clusters = context.clusters();
+            for parts in [1, 2, 3, 8] {
+                let sets = Renderer::divide_clusters(&context, parts);
+                assert_eq!(sets.len(), parts);
+                let mut numbers: Vec<u32> =
+                    sets.iter().flat_map(|set| set.ranges(clusters)).flatten().collect();
+                numbers.sort_unstable();
+                assert!(numbers.iter().copied().eq(0..clusters), "{model}: every cluster once");
+                let work: Vec<f64> = sets.into_iter().map(drawn).collect();
+                let all: f64 = work.iter().sum();
+                let most = work.iter().fold(0.0, |most, &work| f64::max(most, work));
+                println!("{model} {parts}: {:.2} {:.2}", most / all * parts as f64, all / whole);
+                assert!(most <= 1.3 * all / parts as f64, "{model}, {parts} parts: {work:?}");
+                assert!(all <= 1.25 * whole, "{model}, {parts} parts: {all} of {whole}");
+            }
+        }
+    }
+}
+
+/// As many sets as are asked for, whatever there is to divide.
+#[test]
+fn few_clusters_are_divided_among_many() {
+    let mesh = builtin::make("builtin:teapot@1k").expect("a model");
+    let mut scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+    let settings = Settings { tile_size: Some(32), ..Settings::one_sample(64, 48) };
+    let camera = settings.framing().camera_for_scene(&scene);
+    let away = Camera { target: camera.eye * 2.0 - camera.target, ..camera };
+    for (camera, has_instances) in [(camera, true), (away, true), (camera, false)] {
+        if !has_instances {
+            scene.instances.clear();
+        }
+        let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
+        let sets = Renderer::divide_clusters(&context, 50);
+        let count: usize =
+            sets.iter().flat_map(|set| set.ranges(context.clusters())).map(|range| range.len()).sum();
+        assert_eq!((sets.len(), count), (50, context.clusters() as usize));
     }
 }
 

@@ -313,7 +313,8 @@ fn parts_of_the_clusters_make_up_the_picture() {
         composed.planes.fill(row, &Pixel::of_background(&both.background, y, 157));
     }
     for number in 0..5 {
-        let part = draw(&both, &camera, &Settings { clusters: Part { number, of: 5 }, ..settings.clone() });
+        let clusters = Part { number, of: 5 }.range(both.cluster_count() as u32).into();
+        let part = draw(&both, &camera, &Settings { clusters, ..settings.clone() });
         for pixel in 0..part.planes.keys.len() {
             if part.planes.keys[pixel] > composed.planes.keys[pixel] {
                 let mut bytes = Vec::new();

@@ -32,7 +32,8 @@ fn bins_sent_as_bytes_give_the_same_picture() {
             let mut messages = vec![Vec::new(); 3];
             let mut renderer = Renderer::new();
             for number in 0..3 {
-                let part = Settings { clusters: Part { number, of: 3 }, ..settings.clone() };
+                let clusters = Part { number, of: 3 }.range(both.cluster_count() as u32).into();
+                let part = Settings { clusters, ..settings.clone() };
                 let context = FrameContext::new(&both, &camera, &part, 2).unwrap();
                 let mut sorted = Sorted::default();
                 renderer.sort(&context, &mut sorted);

@@ -71,7 +71,7 @@ fn unnumbered(mut frame: Frame) -> Frame {
 fn merged(scene: &Scene, settings: &Settings, of: u32) -> Frame {
     let parts: Vec<_> = (0..of)
         .map(|number| {
-            let clusters = Part { number, of };
+            let clusters = Part { number, of }.range(scene.cluster_count() as u32).into();
             let settings = Settings { clusters, keep_fragments: true, ..settings.clone() };
             draw(scene, &view(), &settings).fragments
         })
@@ -100,7 +100,7 @@ fn composed(scene: &Scene, settings: &Settings, of: u32) -> Frame {
         composed.planes.fill(row, &Pixel::of_background(&scene.background, y, height));
     }
     for number in (0..of).rev() {
-        let clusters = Part { number, of };
+        let clusters = Part { number, of }.range(scene.cluster_count() as u32).into();
         let part = draw(scene, &view(), &Settings { clusters, ..settings.clone() }).planes;
         for pixel in 0..part.keys.len() {
             let key = |planes: &tercio_raster::frame::Planes| (planes.keys[pixel], planes.ties[pixel]);

@@ -204,6 +204,11 @@ impl Scene {
         self.instances.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds()))
     }
 
+    /// Number of clusters of all instances, which are numbered in the order of the instances.
+    pub fn cluster_count(&self) -> usize {
+        self.instances.iter().map(|i| i.mesh.clusters().len()).sum()
+    }
+
     /// Support function of the vertices of all instances; see [`Instance::reach`].
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         self.instances.iter().map(|i| i.reach(direction, from)).fold(f64::NEG_INFINITY, f64::max)

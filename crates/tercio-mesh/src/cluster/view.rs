@@ -178,6 +178,15 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
     }
 
+    /// The memory that [`ClusterView::primitive`] reads beside the head; empty where the numbers are consecutive.
+    #[inline]
+    pub fn primitive_lines(&self, triangle: usize) -> &'a [Line] {
+        let head = self.head();
+        let bits = usize::from(head.number_bits);
+        let byte = self.layout.numbers(head) + triangle * bits / 8;
+        &self.lines[byte / size_of::<Line>()..][..usize::from(bits > 0)]
+    }
+
     /// [`ClusterView::primitive`] of all triangles.
     pub fn primitives(&self) -> impl Iterator<Item = u32> + use<'a> {
         let (view, head) = (*self, *self.head());

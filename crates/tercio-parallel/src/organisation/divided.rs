@@ -1,12 +1,12 @@
-//! Who owns which tiles of a frame, in the rank's group.
+//! Who draws which clusters of a frame, and owns which of its tiles.
 
 use std::ops::Range;
 
-use tercio_raster::Renderer;
 use tercio_raster::context::FrameContext;
+use tercio_raster::{ClusterSet, Part, Renderer};
 
 use super::envelope::FrameComm;
-use super::{Rank, Task};
+use super::{Rank, Sharing, Task};
 use crate::comm::collective::all_reduce_arrays;
 use crate::comm::{Communicator, Group, Kind};
 use crate::division::{Division, cuts::Cuts};
@@ -43,6 +43,19 @@ impl LastFrame {
     pub fn clear(&mut self) {
         self.of = None;
     }
+}
+
+/// The clusters that a rank sorts: where pictures are composited, a part of the picture, otherwise as many as every other.
+pub fn clusters(
+    sharing: &Sharing,
+    context: &FrameContext,
+    (rank, size): (usize, usize),
+    report: &mut RankReport,
+) -> ClusterSet {
+    if !sharing.organisation.composites(size) {
+        return Part { number: rank as u32, of: size as u32 }.range(context.clusters()).into();
+    }
+    report.stages.redistribute.time(|| Renderer::divide_clusters(context, size).swap_remove(rank))
 }
 
 /// The owner of each tile, one of the `members`, which share them; by its number in the group. All members call this.

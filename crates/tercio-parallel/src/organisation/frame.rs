@@ -7,7 +7,7 @@ use tercio_mesh::loops::prelude::*;
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
 use tercio_raster::stats::FrontEndCounts;
-use tercio_raster::{Frame, FrameStats, Part, RenderError, SampleShading, Settings, TileSet};
+use tercio_raster::{ClusterSet, Frame, FrameStats, RenderError, SampleShading, Settings, TileSet};
 
 use super::collect::{self, Finished, composited_planes};
 use super::depth_bounds::{self, Others};
@@ -15,9 +15,7 @@ use super::envelope::FrameComm;
 use super::front_first;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
-use super::{
-    Organisation, Rank, Sharing, Task, clusters, clusters_of, divided, group_of, is_translucent, tile_edge,
-};
+use super::{Organisation, Rank, Sharing, Task, clusters, divided, group_of, is_translucent, tile_edge};
 use crate::comm::{Communicator, Group, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::{only_drawn, pack_all, pack_drawn};
@@ -51,7 +49,6 @@ fn draw_steps(
     let (rank, size) = (comm.rank(), comm.size());
     let in_parts = scene.is_in_parts();
     let shares_clusters = sharing.organisation != Organisation::SortFirst && !in_parts;
-    let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
     let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
     let sends_all = sharing.encoding == Encoding::Dense && sharing.organisation.composites(size);
     if has_fragments && sends_all {
@@ -68,10 +65,14 @@ fn draw_steps(
     }
     let threads = rayon::current_num_threads();
     let tile_size = Some(tile_edge(scene, settings, sharing.organisation, size));
-    let whole = Settings { clusters: part, tiles: TileSet::ALL, tile_size, ..settings.clone() };
+    let whole = Settings { clusters: ClusterSet::ALL, tiles: TileSet::ALL, tile_size, ..settings.clone() };
     let mut context = FrameContext::new(scene, camera, &whole, threads)?;
     let tiles = context.grid.count();
-    report.clusters = part.range(clusters_of(scene)).len() as u64;
+    if shares_clusters {
+        context.drawn_clusters = divided::clusters(&sharing, &context, (rank, size), report);
+    }
+    report.clusters =
+        context.drawn_clusters.ranges(context.clusters()).iter().map(|range| range.len() as u64).sum();
 
     // The ranks that share the tiles with this one.
     let members = group_of(sharing.organisation, size, rank);
@@ -140,9 +141,9 @@ fn draw_steps(
         None => None,
     };
     let (packets, owns) = if has_fragments {
-        composite_fragments(own, comm, task, (&context, part), others, &all, &mut finished, frame, report)?
+        composite_fragments(own, comm, task, &context, others, &all, &mut finished, frame, report)?
     } else {
-        composite_pixels(own, comm, task, (&context, part), &all, frame, report)?
+        composite_pixels(own, comm, task, &context, &all, frame, report)?
     };
     let finished = Finished { tiles: &finished, packets };
     let sends = |rank: &usize| {
@@ -242,14 +243,14 @@ fn composite_pixels(
     own: &mut Rank,
     comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
-    (context, part): (&FrameContext, Part),
+    context: &FrameContext,
     shared: &Shared,
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
     let Sharing { composition, encoding, .. } = task.sharing;
     let planes = composited_planes(&task.settings.outputs, context.is_wide());
-    let settings = Settings { outputs: planes, clusters: part, ..context.settings.clone() };
+    let settings = Settings { outputs: planes, ..context.settings.clone() };
     let keyed = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
     if frame.planes.keys.is_empty() {
         frame.planes.keys = std::mem::take(&mut own.keys);
@@ -306,14 +307,14 @@ fn composite_fragments(
     own: &mut Rank,
     comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
-    (context, part): (&FrameContext, Part),
+    context: &FrameContext,
     mut others: Option<Others>,
     shared: &Shared,
     finished: &mut Vec<u32>,
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
-    let settings = Settings { keep_fragments: true, clusters: part, ..context.settings.clone() };
+    let settings = Settings { keep_fragments: true, ..context.settings.clone() };
     let mut drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
     let finishes_blocks = others.is_some();
     let (rank, composition) = (comm.rank(), task.sharing.composition);

@@ -277,7 +277,7 @@ impl Rank {
         let stage = &mut report.stages.draw;
         let draw = || self.renderer.render_into(task.scene, task.camera, &settings, frame);
         rayon::scope(|_| stage.time(draw))?;
-        report.clusters = u64::from(clusters_of(task.scene));
+        report.clusters = task.scene.cluster_count() as u64;
         report.frame = frame.stats.clone();
         report.pixels.visible = report.frame.backend.pixels_visible;
         Ok(())
@@ -323,10 +323,4 @@ fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
         None if settings.keep_fragments => refused("keep_fragments", "true".into()),
         None => Ok(()),
     }
-}
-
-/// Number of clusters of all instances; if there are too many to number, the renderer returns an error.
-fn clusters_of(scene: &Scene) -> u32 {
-    let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len()).sum::<usize>();
-    u32::try_from(clusters).unwrap_or(u32::MAX)
 }

@@ -8,6 +8,7 @@ use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16
 
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
+use super::cluster::prefetch_primitives;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::frame::{Planes, key_and_tie, visibility_key, wide_key};
 use crate::screen::PixelRect;
@@ -165,6 +166,7 @@ impl TileMemory {
         let (mut located, mut cluster) = (NO_SLOT, None);
         for row in 0..places / self.stride() {
             let first = row * self.stride();
+            prefetch_primitives(context, self.slot[first..first + width].iter().copied());
             let samples = self.slot[first..first + width].iter().zip(&self.depth[first..first + width]);
             for (place, (&slot, &depth)) in (first..).zip(samples) {
                 if slot == NO_SLOT {

@@ -20,7 +20,7 @@ use crate::settings::{LastStage, Sorting};
 use crate::simd::LANES;
 use crate::stats::FrontEndCounts;
 use cull::{ClusterLanes, ClusterTests, Placement};
-pub use load::estimate as estimate_load;
+pub use load::{divide_clusters, estimate as estimate_load};
 use triangles::TrianglePass;
 
 /// The output of one batch of clusters.
@@ -35,19 +35,19 @@ pub struct Batch<'a> {
 /// would transform the whole cluster.
 const MAX_TILES_PER_CLUSTER: u32 = 16;
 
-/// Sorts a range of the scene's clusters into the bins of a batch.
+/// Sorts ranges of the scene's clusters into the bins of a batch.
 #[inline(always)]
 pub fn run<S: Simd>(
     simd: S,
     context: &FrameContext,
-    clusters: Range<u32>,
+    clusters: &[Range<u32>],
     bins: &mut Bins,
 ) -> FrontEndCounts {
     bins.clear();
     let batch = &mut Batch { bins, counts: FrontEndCounts::default() };
     let mut pass = TrianglePass::default();
     let mut lanes = ClusterLanes::default();
-    for (instance, number, range) in context.by_instance(clusters) {
+    for (instance, number, range) in clusters.iter().flat_map(|range| context.by_instance(range.clone())) {
         let mesh = &*context.scene.instances[instance].mesh;
         let sixteens = mesh.clusters()[range].chunks(LANES).zip((number..).step_by(LANES));
         for (clusters, number) in sixteens {

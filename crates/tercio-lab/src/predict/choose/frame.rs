@@ -130,6 +130,8 @@ impl Grouped<'_> {
             // One thread of each rank does it.
             (true, true) => tiles.survey + tiles.load.len() as f64 * rates.survey[2],
         };
+        let composites = self.group < self.ranks && organisation != Organisation::SortFirst;
+        let dividing = dividing + if composites { tiles.survey_of_clusters } else { 0.0 };
         let of_rank = dividing.max(dividing * self.ranks as f64 / stage.processors);
         let tests = tiles.clusters * rates.cluster;
         of_rank

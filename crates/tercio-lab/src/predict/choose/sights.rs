@@ -4,7 +4,7 @@ use tercio_parallel::organisation::tile_edge;
 use tercio_parallel::{Division, Organisation, Sharing};
 use tercio_raster::context::FrameContext;
 use tercio_raster::survey::Effort;
-use tercio_raster::{Part, Settings, TileSet};
+use tercio_raster::{ClusterSet, Settings, TileSet};
 
 use super::Predicted;
 use super::candidates::MANY;
@@ -95,7 +95,7 @@ impl Seen {
     ) -> Result<Self, PredictError> {
         let settings = Settings {
             tile_size: Some(edge),
-            clusters: Part::WHOLE,
+            clusters: ClusterSet::ALL,
             tiles: TileSet::ALL,
             ..picture.settings.clone()
         };

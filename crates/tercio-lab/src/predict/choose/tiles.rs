@@ -21,17 +21,28 @@ const EDGES: f64 = 1.2;
 
 /// How many clusters the renderer looks at, and how many tiles it visits, when it divides a picture.
 const DIVIDED_BY: Effort = Effort { clusters: 4096, visits: 1 << 17 };
+/// The same when it divides the clusters.
+const CLUSTERS_DIVIDED_BY: Effort = Effort { clusters: 2048, visits: 1 << 14 };
 
 /// How many of a scene's clusters the renderer looks at when it divides a picture: every second, every third ...
 pub fn looked_at(clusters: u64) -> u64 {
-    clusters.div_ceil(clusters.div_ceil(DIVIDED_BY.clusters.into()).max(1))
+    looked_at_by(DIVIDED_BY, clusters)
+}
+
+/// The same when it divides the clusters themselves.
+pub fn looked_at_to_divide_clusters(clusters: u64) -> u64 {
+    looked_at_by(CLUSTERS_DIVIDED_BY, clusters)
+}
+
+fn looked_at_by(effort: Effort, clusters: u64) -> u64 {
+    clusters.div_ceil(clusters.div_ceil(effort.clusters.into()).max(1))
 }
 
 /// A cluster in a tile; it stands for several.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     tile: u32,
-    /// The rank in whose share of the clusters it is.
+    /// The rank that draws it where pictures are composited.
     rank: u32,
     triangles: f64,
     /// Pixels inside the box of the cluster.
@@ -109,6 +120,8 @@ pub struct Tiles {
     pub clusters: f64,
     /// Seconds in which a rank finds out the work in the tiles.
     pub survey: f64,
+    /// The same of the clusters.
+    pub survey_of_clusters: f64,
     /// Of each rank: seconds of sorting its clusters into tiles; bytes of bins.
     pub sorted: Vec<[f64; 2]>,
     /// Pixels of each tile that show something.
@@ -145,7 +158,9 @@ impl Tiles {
         let mut entries = Vec::new();
         let mut sorted = vec![[0.0; 2]; ranks];
         let mut cells = vec![Cells::default(); tiles];
-        survey.visits(context, |seen, visit| {
+        let ranks_of = survey.divide(context, ranks);
+        survey.visits(context, |place, visit| {
+            let seen = &survey.seen[place];
             let [x0, x1, y0, y1] = seen.rect;
             let [column0, column1, row0, row1] = context.grid.tiles_that_need(seen.rect);
             let reached = u64::from(column1 - column0 + 1) * u64::from(row1 - row0 + 1);
@@ -155,9 +170,9 @@ impl Tiles {
             } else {
                 [survey.step * BIN_CLUSTER, survey.step * rates.entry]
             };
-            let rank = rank_of(seen.number, clusters, ranks);
-            sorted[rank as usize][0] += sorting;
-            sorted[rank as usize][1] += bytes;
+            let sorted = &mut sorted[rank_of(seen.number, clusters, ranks) as usize];
+            *sorted = [sorted[0] + sorting, sorted[1] + bytes];
+            let rank = ranks_of[place];
             let (triangles, pixels) = (visit.triangles, visit.pixels);
             let (shown, place) = shown(seen.rect, context.grid.rect(visit.tile, context.size()));
             let shown = shown * survey.step;
@@ -169,15 +184,19 @@ impl Tiles {
             f64::from(rect.x1 - rect.x0 + 1) * f64::from(rect.y1 - rect.y0 + 1)
         });
         let pixels: Vec<f64> = pixels.collect();
-        let looked_at = looked_at(clusters.into()) as f64;
-        let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
-        let seconds = looked_at * rates.survey[0] + visits.min(DIVIDED_BY.visits as f64) * rates.survey[1];
+        let seconds = |effort: Effort| {
+            let looked_at = looked_at_by(effort, clusters.into()) as f64;
+            let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
+            looked_at * rates.survey[0] + visits.min(effort.visits as f64) * rates.survey[1]
+        };
+        let (survey, survey_of_clusters) = (seconds(DIVIDED_BY), seconds(CLUSTERS_DIVIDED_BY));
         let mut found = Self {
             covered: cells.iter().zip(&pixels).map(|(cells, &of_tile)| cells.covered(of_tile)).collect(),
             pixels,
             load: vec![0; tiles],
             clusters: f64::from(clusters),
-            survey: seconds,
+            survey,
+            survey_of_clusters,
             sorted,
             entries,
         };
@@ -239,7 +258,7 @@ impl Tiles {
     }
 }
 
-/// The rank in whose share ([`tercio_raster::Part::range`]) of the clusters one is.
+/// The rank in whose share ([`tercio_raster::Part::range`]) of the clusters one is where contents of tiles are sent.
 fn rank_of(cluster: u32, clusters: u32, ranks: usize) -> u32 {
     let of_next = (u64::from(cluster) + 1) * ranks as u64;
     ((of_next - 1) / u64::from(clusters.max(1))) as u32

@@ -1,7 +1,7 @@
 //! The work of every rank's renderer.
 
 use tercio_parallel::Organisation;
-use tercio_raster::{Frame, Outputs, Part, Settings, TileSet};
+use tercio_raster::{ClusterSet, Frame, Outputs, Settings, TileSet};
 use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
@@ -21,7 +21,7 @@ pub struct Drawing {
 }
 
 /// Counts a rank's part of a frame and draws it. `settings` are those of the whole frame; `owners` has the owner of each tile
-/// in sort-first. The rank has some threads.
+/// in sort-first, `clusters` those of each rank in sort-last. The rank has some threads.
 ///
 /// # Errors
 /// What makes the frame impossible to draw.
@@ -31,15 +31,13 @@ pub fn drawing(
     settings: &Settings,
     sharing: &Sharing,
     owners: &[u32],
+    clusters: &[ClusterSet],
     (rank, threads): (usize, usize),
 ) -> Result<Drawing, PredictError> {
     let outputs = Outputs { keys: true, ..settings.outputs };
     let settings = Settings { outputs, tile_size: Some(sharing.edge), ..settings.clone() };
     let settings = match sharing.organisation {
-        Organisation::SortLast => {
-            let part = Part { number: rank as u32, of: sharing.ranks as u32 };
-            Settings { clusters: part, ..settings }
-        }
+        Organisation::SortLast => Settings { clusters: clusters[rank].clone(), ..settings },
         Organisation::SortFirst => {
             let tiles = TileSet::from_fn(owners.len(), |tile| owners[tile as usize] as usize == rank);
             Settings { tiles, ..settings }

@@ -5,7 +5,8 @@ use tercio_parallel::Organisation;
 
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
-use crate::predict::choose::{rates, tiles::looked_at};
+use crate::predict::choose::rates;
+use crate::predict::choose::tiles::{looked_at, looked_at_to_divide_clusters};
 use crate::predict::counts::Counters;
 
 /// Bytes of a line of memory, of a key and of a colour.
@@ -139,13 +140,18 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// Dividing the picture among the ranks of sort-first by an estimate of the work in its tiles; all of them do all of it.
+    /// Dividing the picture among the ranks of sort-first, and the clusters among those of sort-last, by an estimate of the work; all of
+    /// them do all of it.
     pub fn dividing(&self) -> Charges {
         let mut charges = [0.0; KINDS];
         let Sharing { organisation, division, ranks, size, edge } = *self.sharing;
         if organisation == Organisation::SortFirst && ranks > 1 && division.needs_load() {
             charges[OF_DIVISION] = looked_at(self.drawing[0].clusters) as f64;
             charges[OF_DIVISION + 1] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
+        }
+        if organisation == Organisation::SortLast && ranks > 1 {
+            let clusters = self.drawing.iter().map(|drawn| drawn.clusters).sum();
+            charges[OF_DIVISION] = looked_at_to_divide_clusters(clusters) as f64;
         }
         charges
     }

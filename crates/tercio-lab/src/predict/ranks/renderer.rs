@@ -69,10 +69,11 @@ impl RanksWork {
         let context = FrameContext::new(scene, camera, &settings, threads)?;
         let load = Renderer::estimate_load(&context);
         let owners = sharing.division.owners(&context.grid, &load, ranks);
+        let clusters = Renderer::divide_clusters(&context, ranks);
         let mut traffic = Traffic::new(&sharing, &scene.background);
         let (mut drawn, mut tiles) = (Vec::new(), Vec::new());
         for rank in 0..ranks {
-            let drawing = drawing(scene, camera, &settings, &sharing, &owners, (rank, threads))?;
+            let drawing = drawing(scene, camera, &settings, &sharing, &owners, &clusters, (rank, threads))?;
             traffic.add(&drawing);
             drawn.push(drawing.counters);
             tiles.push(drawing.tiles);

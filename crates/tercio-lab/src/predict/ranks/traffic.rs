@@ -1,7 +1,7 @@
 //! The messages between ranks, computed from the pixels that each of them shows.
 //!
-//! * Sort-last assigns consecutive clusters, to rank r of n those from `C * r / n` on; sort-first gives every rank all, and
-//!   the tiles of a [division](tercio_parallel::division) of the picture.
+//! * Sort-last divides the clusters ([`tercio_raster::Renderer::divide_clusters`]); sort-first gives every rank all, and the tiles of
+//!   a [division](tercio_parallel::division) of the picture.
 //! * In sort-last all ranks first learn which tiles each of them may have drawn something in: one bit a tile, in words of 8 bytes.
 //! * A span, a row of neighbouring pixels of one tile that show something, is sent as 6 bytes, 4 for every pixel's
 //!   colour, and 8 for its key where it still has to be composited. What is composited is preceded by 12 bytes a tile.

@@ -14,11 +14,11 @@ mod sieve;
 mod stamps;
 
 use fearless_simd::Simd;
-use tercio_mesh::cluster::MAX_TRIANGLES;
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
 use crate::backend::tally::Tally;
 use crate::binning::BinnedCluster;
-use crate::context::FrameContext;
+use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::SAMPLE;
 use crate::projection::{CornerTable, LocalVertices};
 use crate::sampling::SampleCells;
@@ -181,6 +181,32 @@ pub fn prefetch_head(context: &FrameContext, binned: &BinnedCluster) {
 pub fn prefetch_body(context: &FrameContext, binned: &BinnedCluster) {
     let (_, cluster) = context.cluster(binned.number);
     prefetch(&cluster.hot_lines()[1..]);
+}
+
+/// Prefetches the primitive numbers of some slots: drawing does not read them, and where triangles are small nearly every pixel is
+/// of another cluster.
+#[inline(always)]
+pub fn prefetch_primitives(context: &FrameContext, slots: impl Iterator<Item = u32> + Clone) {
+    // The head tells where the numbers are.
+    each_triangle(context, slots.clone(), |cluster, _| prefetch(cluster.first_line()));
+    each_triangle(context, slots, |cluster, triangle| prefetch(cluster.primitive_lines(triangle)));
+}
+
+/// Calls `each` with cluster and number of the triangles in some slots, once for equal neighbours.
+#[inline(always)]
+fn each_triangle<'a>(
+    context: &FrameContext<'a>,
+    slots: impl Iterator<Item = u32>,
+    mut each: impl FnMut(ClusterView<'a>, usize),
+) {
+    let mut before = NO_SLOT;
+    for slot in slots {
+        if slot != NO_SLOT && slot != before {
+            let (_, cluster, triangle) = context.locate_slot(slot);
+            each(cluster, triangle);
+        }
+        before = slot;
+    }
 }
 
 /// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?

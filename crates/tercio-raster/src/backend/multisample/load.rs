@@ -2,6 +2,7 @@
 
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
+use super::super::cluster::prefetch_primitives;
 use super::finished::{FinishedBlocks, blocks_of};
 use super::fragments::{Fragment, NO_FRAGMENT};
 use super::memory::SampleMemory;
@@ -116,11 +117,13 @@ impl SampleMemory {
                 if finished.contains([some.start - first, row]) {
                     continue;
                 }
-                let samples = some.start << self.count_bits..some.end << self.count_bits;
+                let samples = &self.fragment[some.start << self.count_bits..some.end << self.count_bits];
                 // Most of a picture that a rank has drawn alone is empty.
-                if self.fragment[samples].iter().fold(NO_FRAGMENT, |all, f| all & f) == NO_FRAGMENT {
+                if samples.iter().fold(NO_FRAGMENT, |all, f| all & f) == NO_FRAGMENT {
                     continue;
                 }
+                let drawn = samples.iter().filter(|&&number| number != NO_FRAGMENT);
+                prefetch_primitives(context, drawn.map(|&number| self.list.fragments[number as usize].slot));
                 let mut at = out.len();
                 out.resize(at + most, 0);
                 for pixel in some {
