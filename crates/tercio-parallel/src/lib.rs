@@ -62,7 +62,7 @@ pub mod trace;
 pub use agreement::Matter;
 pub use comm::Communicator;
 pub use composite::{Composition, Encoding, Radices};
-pub use division::Division;
+pub use division::{ClusterDivision, Division};
 pub use error::ParallelError;
 pub use in_process::{Ranks, draw_frames};
 pub use organisation::{Organisation, Sharing};

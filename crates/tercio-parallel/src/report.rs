@@ -8,7 +8,7 @@ use tercio_raster::{FrameStats, Settings};
 
 use crate::comm::{Kind, PartnerTraffic, Traffic};
 use crate::composite::{Composition, Encoding};
-use crate::division::Division;
+use crate::division::{ClusterDivision, Division};
 use crate::organisation::{Organisation, Sharing};
 use crate::trace::{Span, Step, Timeline, now};
 
@@ -183,6 +183,8 @@ pub struct FrameReport {
     pub composition: Option<Composition>,
     /// Which pixels were sent to be composited.
     pub encoding: Option<Encoding>,
+    /// How clusters were divided among ranks that composite; `None` if nothing is composited. Without meaning for models in parts.
+    pub clusters: Option<ClusterDivision>,
     /// Pixels along the edge of a tile.
     pub region: u32,
     /// Milliseconds from the beginning of the first rank until the picture was complete on rank 0.
@@ -209,7 +211,7 @@ impl FrameReport {
         let samples = settings.sampling.pattern.count() as u64;
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
-        let Sharing { organisation, division, composition, encoding } = sharing;
+        let Sharing { organisation, division, composition, encoding, clusters } = sharing;
         let count = ranks.len();
         let group = matches!(organisation, Organisation::SortTwice { .. }).then(|| organisation.group(count));
         let division = (organisation.group(count) > 1).then_some(division);
@@ -221,6 +223,7 @@ impl FrameReport {
             division,
             composition,
             encoding,
+            clusters: composites.then_some(clusters),
             region,
             milliseconds,
             messages,

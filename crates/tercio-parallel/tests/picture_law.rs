@@ -9,7 +9,7 @@ use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::comm::Kind;
 use tercio_parallel::in_process::draw;
 use tercio_parallel::{
-    Composition, Division, Encoding, FrameReport, Organisation, RankReport, Ranks, Sharing,
+    ClusterDivision, Composition, Division, Encoding, FrameReport, Organisation, RankReport, Ranks, Sharing,
 };
 use tercio_raster::{
     Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
@@ -143,7 +143,8 @@ fn what_another_rank_hides_is_not_drawn() {
     // The first rank draws the sphere in front, the other one that behind it.
     let drawn = |scene: &Scene, sampling: Sampling, composition: Composition| {
         let settings = Settings { sampling, tile_size: Some(32), ..Settings::new(203, 190) };
-        let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+        let clusters = ClusterDivision::Consecutive;
+        let sharing = Sharing { composition, clusters, ..Organisation::SortLast.into() };
         let ranks = Ranks { count: scene.instances.len(), threads: 1, sharing };
         let report = check(scene, &camera, &settings, ranks, "behind");
         let of_rank = |rank: &RankReport| (rank.frame.backend.clusters_drawn, rank.pixels.fragment_bytes);
@@ -182,7 +183,8 @@ fn what_is_hidden_in_many_tiles() {
     let settings = Settings { tile_size: Some(8), ..Settings::new(1200, 900) };
     let camera = camera(&scene, 1.5, false);
     let told = |encoding: Encoding| {
-        let sharing = Sharing { encoding, ..Organisation::SortLast.into() };
+        let clusters = ClusterDivision::Consecutive;
+        let sharing = Sharing { encoding, clusters, ..Organisation::SortLast.into() };
         let report = check(&scene, &camera, &settings, Ranks { count: 2, threads: 1, sharing }, "many tiles");
         // What the first rank, which is in front, tells.
         let told = report.ranks[0].partners.iter().find(|with| with.kind == Kind::Occlusion);
@@ -529,7 +531,7 @@ proptest! {
         (planes, samples, tent, by_sample) in (0u32..256, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
         (division, composition, radix) in (0..Division::ALL.len(), 0..Composition::ALL.len(), 2u32..6),
-        encoding in 0..Encoding::ALL.len(),
+        (encoding, is_compact) in (0..Encoding::ALL.len(), any::<bool>()),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
@@ -574,7 +576,9 @@ proptest! {
             Encoding::Dense if has_fragments => Encoding::Visible,
             encoding => encoding,
         };
-        let sharing = Sharing { organisation, division: Division::ALL[division], composition, encoding };
+        let clusters = if is_compact { ClusterDivision::Compact } else { ClusterDivision::Consecutive };
+        let division = Division::ALL[division];
+        let sharing = Sharing { organisation, division, composition, encoding, clusters };
         let camera = camera(&scene, radii, orthographic);
         check(&scene, &camera, &settings, Ranks { count, threads, sharing }, model);
     }

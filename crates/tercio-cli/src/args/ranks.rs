@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use tercio::image::Destination;
 use tercio::parallel::trace::now;
-use tercio::parallel::{Composition, Division, Encoding, Organisation, Radices, Sharing};
+use tercio::parallel::{ClusterDivision, Composition, Division, Encoding, Organisation, Radices, Sharing};
 use tercio_lab::predict::choose::candidates::Limits;
 
 use crate::args::values;
@@ -78,6 +78,15 @@ pub enum EncodingName {
     Dense,
 }
 
+/// How clusters are divided among ranks that composite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClustersName {
+    /// Into parts that are compact in the picture and have about the same visible work.
+    Compact,
+    /// As many consecutive ones for each rank, whatever the view, to compare with.
+    Consecutive,
+}
+
 /// Ranks.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
@@ -108,6 +117,9 @@ pub struct RanksArgs {
     /// sort-twice [default: visible].
     #[arg(long, value_name = "WHICH", value_enum)]
     encoding: Option<EncodingName>,
+    /// How the clusters of the model are divided: for sort-last and sort-twice, unless ranks have parts of the model [default: compact].
+    #[arg(long, value_name = "HOW", value_enum)]
+    clusters: Option<ClustersName>,
     /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared
     /// model, binary PLY or binary STL), or each has its own: part_{rank}.ply.
     #[arg(long)]
@@ -193,6 +205,7 @@ impl RanksArgs {
             (self.composition.is_some(), "--composition"),
             (self.radix.is_some(), "--radix"),
             (self.encoding.is_some(), "--encoding"),
+            (self.clusters.is_some(), "--clusters"),
             (self.parts, "--parts"),
             (self.timeout.is_some(), "--timeout"),
         ]
@@ -272,6 +285,12 @@ impl RanksArgs {
                         .into(),
                 ));
             }
+            OrganisationName::Auto if self.clusters == Some(ClustersName::Consecutive) => {
+                return Err(UsageError(
+                    "--organisation auto predicts --clusters compact: with others, name an organisation"
+                        .into(),
+                ));
+            }
             OrganisationName::Auto => {
                 let composition = self.composition()?;
                 let limits = Limits { group: self.group, division, composition, all: false };
@@ -294,6 +313,7 @@ impl RanksArgs {
             (self.composition.is_some(), "--composition"),
             (self.radix.is_some(), "--radix"),
             (self.encoding.is_some(), "--encoding"),
+            (self.clusters.is_some(), "--clusters"),
         ];
         if let Some((_, option)) = of_composition.into_iter().find(|(is_given, _)| *is_given && !composites) {
             return unused(option, "does not composite pictures; sort-last and sort-twice do");
@@ -304,7 +324,14 @@ impl RanksArgs {
             Some(EncodingName::Sparse) => Encoding::Sparse,
             Some(EncodingName::Dense) => Encoding::Dense,
         };
-        Ok(How::As(Sharing { organisation, division, composition, encoding }))
+        if self.clusters.is_some() && self.parts {
+            return unused("--clusters", "draws the clusters that each rank has, with --parts");
+        }
+        let clusters = match self.clusters {
+            None | Some(ClustersName::Compact) => ClusterDivision::Compact,
+            Some(ClustersName::Consecutive) => ClusterDivision::Consecutive,
+        };
+        Ok(How::As(Sharing { organisation, division, composition, encoding, clusters }))
     }
 
     /// The composition, if one is requested.
@@ -406,6 +433,8 @@ mod tests {
         assert!(drawers("--ranks 3", Some(4)).unwrap_err().contains("mpirun started 4"));
         let last = How::As(Organisation::SortLast.into());
         assert_eq!(drawers("--parts", Some(2)), Ok(Drawers::Mpi(last)));
+        let clusters = drawers("--parts --clusters compact", Some(2)).unwrap_err();
+        assert!(clusters.contains("that each rank has"), "{clusters}");
         let auto = drawers("--parts --organisation auto", Some(2)).unwrap_err();
         assert!(auto.contains("name an organisation"), "{auto}");
         for option in [
@@ -417,6 +446,7 @@ mod tests {
             "--composition tree",
             "--radix 4",
             "--encoding dense",
+            "--clusters consecutive",
         ] {
             let error = drawers(option, None).unwrap_err();
             assert!(error.contains("--ranks") && error.starts_with(&option[..7]), "{error}");
@@ -445,6 +475,8 @@ mod tests {
         assert_eq!(sharing("--organisation sort-last --encoding dense"), Ok(last));
         let last = Sharing { encoding: Encoding::Sparse, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --encoding sparse"), Ok(last));
+        let last = Sharing { clusters: ClusterDivision::Consecutive, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --clusters consecutive"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
@@ -458,6 +490,8 @@ mod tests {
             ),
             ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
             ("--organisation sort-first --encoding dense", "--encoding: sort-first does not composite"),
+            ("--organisation sort-first --clusters compact", "--clusters: sort-first does not composite"),
+            ("--organisation auto --clusters consecutive", "name an organisation"),
             ("--organisation auto --encoding dense", "name an organisation"),
             ("--organisation auto --encoding sparse", "name an organisation"),
             ("--organisation auto --group 11", "--group 11: there are 10 ranks"),

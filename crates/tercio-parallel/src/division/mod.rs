@@ -1,4 +1,4 @@
-//! Who draws which tiles: divisions of the picture among ranks.
+//! Who draws which tiles, and which clusters: divisions of the picture, and of the scene, among ranks.
 
 pub mod cuts;
 
@@ -9,6 +9,19 @@ use std::fmt;
 use serde::Serialize;
 use tercio_raster::TileSet;
 use tercio_raster::screen::TileGrid;
+
+/// How the clusters of a scene are divided among ranks that composite what they draw of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum ClusterDivision {
+    /// Into parts that are compact in the picture and have about the same visible work
+    /// ([`Renderer::divide_clusters`](tercio_raster::Renderer::divide_clusters)).
+    #[default]
+    Compact,
+    /// As many consecutive clusters for each rank, whatever the view.
+    Consecutive,
+}
 
 /// How the tiles of a picture are divided among ranks.
 ///

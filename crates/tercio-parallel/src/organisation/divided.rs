@@ -9,7 +9,7 @@ use super::envelope::FrameComm;
 use super::{Rank, Sharing, Task};
 use crate::comm::collective::all_reduce_arrays;
 use crate::comm::{Communicator, Group, Kind};
-use crate::division::{Division, cuts::Cuts};
+use crate::division::{ClusterDivision, Division, cuts::Cuts};
 use crate::{ParallelError, RankReport};
 
 /// What a rank remembers of a frame for the next one. All ranks of a group remember the same, but each its own work.
@@ -45,14 +45,14 @@ impl LastFrame {
     }
 }
 
-/// The clusters that a rank sorts: where pictures are composited, a part of the picture, otherwise as many as every other.
+/// The clusters that a rank sorts: where nothing is composited, as many consecutive ones as every other.
 pub fn clusters(
     sharing: &Sharing,
     context: &FrameContext,
     (rank, size): (usize, usize),
     report: &mut RankReport,
 ) -> ClusterSet {
-    if !sharing.organisation.composites(size) {
+    if !sharing.organisation.composites(size) || sharing.clusters == ClusterDivision::Consecutive {
         return Part { number: rank as u32, of: size as u32 }.range(context.clusters()).into();
     }
     report.stages.redistribute.time(|| Renderer::divide_clusters(context, size).swap_remove(rank))

@@ -42,7 +42,7 @@ use crate::ParallelError;
 use crate::agreement::frame_digest;
 use crate::comm::{Communicator, Kind};
 use crate::composite::{Composition, Encoding};
-use crate::division::Division;
+use crate::division::{ClusterDivision, Division};
 use crate::parts;
 use crate::report::{RankReport, RankStages};
 use crate::trace::{Span, Step, Timeline, timed};
@@ -121,16 +121,19 @@ pub struct Sharing {
     pub composition: Composition,
     /// Which pixels are sent then, and whether ranks tell each other what they hide.
     pub encoding: Encoding,
+    /// How clusters are divided among the ranks that composite; without meaning for sort-first and sort-middle, and for models in parts.
+    pub clusters: ClusterDivision,
 }
 
 impl From<Organisation> for Sharing {
-    /// The organisation with the usual division, composition and encoding.
+    /// The organisation with the usual divisions, composition and encoding.
     fn from(organisation: Organisation) -> Self {
         Self {
             organisation,
             division: Division::default(),
             composition: Composition::default(),
             encoding: Encoding::default(),
+            clusters: ClusterDivision::default(),
         }
     }
 }
