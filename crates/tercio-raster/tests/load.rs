@@ -52,7 +52,7 @@ fn the_estimate_follows_the_bins() {
 /// Every cluster is in one set; each set has about the same work, and less is drawn that another one hides than of consecutive clusters.
 #[test]
 fn clusters_are_divided_by_visible_work() {
-    // Triangles drawn beside those of the whole: of the sets, and of as many consecutive clusters.
+    // Triangles and pixels drawn beside those of the whole: of the sets, and of as many consecutive clusters.
     let mut of_all = [0.0; 2];
     for model in ["builtin:gyroid@200k", "builtin:terrain@200k", "builtin:teapot@200k"] {
         let mesh = builtin::make(model).expect("a model");
@@ -66,7 +66,7 @@ fn clusters_are_divided_by_visible_work() {
             let drawn = |clusters: ClusterSet| {
                 let settings = Settings { clusters, ..settings.clone() };
                 let stats = Renderer::new().render(&scene, &camera, &settings).expect("a picture").stats;
-                stats.backend.triangles_drawn as f64
+                (stats.backend.triangles_drawn + stats.backend.pixels_shaded) as f64
             };
             let whole = drawn(ClusterSet::ALL);
             let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
