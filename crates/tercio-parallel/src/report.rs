@@ -183,7 +183,8 @@ pub struct FrameReport {
     pub composition: Option<Composition>,
     /// Which pixels were sent to be composited.
     pub encoding: Option<Encoding>,
-    /// How clusters were divided among ranks that composite; `None` if nothing is composited. Without meaning for models in parts.
+    /// How clusters were divided among ranks that composite; `None` if nothing is composited, or
+    /// ranks have parts of the model.
     pub clusters: Option<ClusterDivision>,
     /// Pixels along the edge of a tile.
     pub region: u32,
@@ -213,6 +214,7 @@ impl FrameReport {
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
         let Sharing { organisation, division, composition, encoding, clusters } = sharing;
         let count = ranks.len();
+        let in_parts = ranks.iter().any(|rank| rank.cluster_bytes.is_some());
         let group = matches!(organisation, Organisation::SortTwice { .. }).then(|| organisation.group(count));
         let division = (organisation.group(count) > 1).then_some(division);
         let composites = organisation.composites(count);
@@ -223,7 +225,7 @@ impl FrameReport {
             division,
             composition,
             encoding,
-            clusters: composites.then_some(clusters),
+            clusters: (composites && !in_parts).then_some(clusters),
             region,
             milliseconds,
             messages,

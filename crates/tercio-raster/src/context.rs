@@ -65,11 +65,11 @@ pub struct FrameContext<'a> {
     /// nearer pixels in all of the block; 0 where it is not known, infinity where another rank has finished the block. Of frames
     /// that keep fragments, and where [`Self::has_blocks`] is so.
     pub hidden_by_others: Option<DepthBounds>,
+    /// The clusters that the front end sorts: those that the settings select, until ranks divide them.
+    pub drawn_clusters: ClusterSet,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
-    /// The clusters that the front end sorts: those that the settings select.
-    pub drawn_clusters: ClusterSet,
     /// Number of each instance's first primitive.
     first_primitive: Vec<u64>,
     /// Number of each instance's first input face.

@@ -100,20 +100,20 @@ impl Renderer {
         Ok(())
     }
 
-    /// The front end: sorts the clusters that the settings select into the tiles of the frame.
+    /// The front end: sorts the [`FrameContext::drawn_clusters`] into the tiles of the frame.
     pub fn sort(&mut self, context: &FrameContext, sorted: &mut Sorted) {
         let level = level(context);
         let drawn = context.drawn_clusters.ranges(context.clusters());
         let batches = batches(drawn.iter().map(Range::len).sum(), context.workers);
         sorted.bins.resize_with(batches, Bins::default);
-        let shares = cluster_set::divide(&drawn, batches);
+        let shares = cluster_set::divide(&drawn, batches.max(1));
         let both = sorted.bins.par_iter_mut().zip(&shares).with_max_len(1);
         let counts = both.map(|(bins, clusters)| sort_clusters(level, context, clusters, bins));
         sorted.counts = counts.reduce(FrontEndCounts::default, FrontEndCounts::plus);
     }
 
-    /// The counts of the front end alone: sorts the clusters that the settings select, a few at a time, and discards the
-    /// result, so that memory does not grow with the scene.
+    /// The counts of the front end alone: sorts the [`FrameContext::drawn_clusters`], a few at a time, and discards the
+    /// result, so that memory hardly grows with the scene.
     pub fn count_front_end(context: &FrameContext) -> FrontEndCounts {
         const CLUSTERS_AT_A_TIME: usize = 256;
         let level = level(context);

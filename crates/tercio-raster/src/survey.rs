@@ -16,7 +16,7 @@ pub const COVERED_OF_BOX: f64 = 0.3;
 pub const WORK_OF_PIXEL: f64 = 1.0;
 
 /// The share of a cluster's work that is done even where it is hidden: only whole clusters are found to be.
-const WORK_OF_HIDDEN: f64 = 0.5;
+pub const WORK_OF_HIDDEN: f64 = 0.5;
 
 /// How much of a scene is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,18 @@ pub struct Effort {
     pub clusters: u32,
     /// At most about so many tiles for all of them together: where clusters are large, fewer are looked at.
     pub visits: u64,
+}
+
+impl Effort {
+    /// What is looked at to estimate the work in tiles.
+    pub const OF_TILES: Self = Self { clusters: 4096, visits: 1 << 17 };
+
+    /// What is looked at to divide the clusters among so many ranks: every rank does it, for some ranks in the time of some thousand
+    /// triangles.
+    pub fn of_clusters(ranks: usize) -> Self {
+        let ranks = ranks as u64;
+        Self { clusters: (8 * ranks).clamp(2048, 1 << 16) as u32, visits: (64 * ranks).max(1 << 14) }
+    }
 }
 
 /// A cluster that may be visible.

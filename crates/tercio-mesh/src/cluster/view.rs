@@ -178,7 +178,7 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
     }
 
-    /// The memory that [`ClusterView::primitive`] reads beside the head; empty where the numbers are consecutive.
+    /// The line in which the number begins that [`ClusterView::primitive`] reads; none where the numbers are consecutive.
     #[inline]
     pub fn primitive_lines(&self, triangle: usize) -> &'a [Line] {
         let head = self.head();

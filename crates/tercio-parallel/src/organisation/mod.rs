@@ -4,7 +4,7 @@
 //!
 //! | step | sort-first | sort-middle | sort-last | sort-twice |
 //! |---|---|---|---|---|
-//! | front end | all clusters, own tiles | own clusters | own clusters | own clusters |
+//! | front end | all clusters, own tiles | own clusters | own clusters ([divided](divided) by visible work) | the same |
 //! | [redistribute](redistribute) bins | – | to the owners of tiles | – | to the owners of tiles in the rank's group |
 //! | [tell](depth_bounds) how near one may draw (with several samples) | – | – | to the owners of tiles | to the owners of tiles |
 //! | draw | own tiles | own tiles | all tiles, [those first](front_first) in which the rank is in front | the same in own tiles in the group |

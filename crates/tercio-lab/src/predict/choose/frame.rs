@@ -130,7 +130,7 @@ impl Grouped<'_> {
             // One thread of each rank does it.
             (true, true) => tiles.survey + tiles.load.len() as f64 * rates.survey[2],
         };
-        let composites = self.group < self.ranks && organisation != Organisation::SortFirst;
+        let composites = organisation.composites(self.ranks);
         let dividing = dividing + if composites { tiles.survey_of_clusters } else { 0.0 };
         let of_rank = dividing.max(dividing * self.ranks as f64 / stage.processors);
         let tests = tiles.clusters * rates.cluster;
@@ -138,7 +138,8 @@ impl Grouped<'_> {
             + if organisation == Organisation::SortFirst {
                 stage.work(sorting_of_tiles.iter().map(|sorting| tests + sorting))
             } else {
-                stage.work(tiles.sorted.iter().map(|[sorting, _]| tests / self.ranks as f64 + sorting))
+                let sorted = &tiles.sorted[usize::from(composites)];
+                stage.work(sorted.iter().map(|[sorting, _]| tests / self.ranks as f64 + sorting))
             }
     }
 
@@ -150,7 +151,7 @@ impl Grouped<'_> {
         let load = |rank: usize| {
             let others = (self.length_of(rank / self.group) - 1) as f64;
             let away = others / (others + 1.0);
-            let bytes = self.tiles.sorted[rank][1];
+            let bytes = self.tiles.sorted[usize::from(organisation.composites(self.ranks))][rank][1];
             let reached = bytes / 24.0;
             // A head for each tile that its clusters reach, of which it may have several in a tile.
             let heads = reached.min(self.tiles.load.len() as f64) * BIN_TILE + others * BIN_HEAD;

@@ -3,7 +3,7 @@
 use tercio_parallel::division::Division;
 use tercio_raster::context::FrameContext;
 use tercio_raster::screen::PixelRect;
-use tercio_raster::survey::{COVERED_OF_BOX, Effort, Survey};
+use tercio_raster::survey::{COVERED_OF_BOX, Effort, Survey, WORK_OF_HIDDEN};
 
 use super::rates::{BIN_CLUSTER, BIN_TRIANGLE, Rates};
 
@@ -11,27 +11,20 @@ use super::rates::{BIN_CLUSTER, BIN_TRIANGLE, Rates};
 /// front end.
 const MOST_TILES: u64 = 16;
 const LARGE: u32 = 255;
-/// The share of a cluster's triangles that is drawn even where it is hidden.
-const DRAWN_HIDDEN: f64 = 0.5;
 /// The share of the box of a cluster in which it shows something, for the pixels that are sent; [`COVERED_OF_BOX`] is that of what
 /// hides others.
 const SHOWN_OF_BOX: f64 = 0.4;
 /// Fragments at the edges of triangles, for each square root of a pixel and of a triangle that is seen in it.
 const EDGES: f64 = 1.2;
 
-/// How many clusters the renderer looks at, and how many tiles it visits, when it divides a picture.
-const DIVIDED_BY: Effort = Effort { clusters: 4096, visits: 1 << 17 };
-/// The same when it divides the clusters.
-const CLUSTERS_DIVIDED_BY: Effort = Effort { clusters: 2048, visits: 1 << 14 };
-
 /// How many of a scene's clusters the renderer looks at when it divides a picture: every second, every third ...
 pub fn looked_at(clusters: u64) -> u64 {
-    looked_at_by(DIVIDED_BY, clusters)
+    looked_at_by(Effort::OF_TILES, clusters)
 }
 
 /// The same when it divides the clusters themselves.
-pub fn looked_at_to_divide_clusters(clusters: u64) -> u64 {
-    looked_at_by(CLUSTERS_DIVIDED_BY, clusters)
+pub fn looked_at_to_divide_clusters(clusters: u64, ranks: usize) -> u64 {
+    looked_at_by(Effort::of_clusters(ranks), clusters)
 }
 
 fn looked_at_by(effort: Effort, clusters: u64) -> u64 {
@@ -122,8 +115,8 @@ pub struct Tiles {
     pub survey: f64,
     /// The same of the clusters.
     pub survey_of_clusters: f64,
-    /// Of each rank: seconds of sorting its clusters into tiles; bytes of bins.
-    pub sorted: Vec<[f64; 2]>,
+    /// Of each rank: seconds of sorting its clusters into tiles; bytes of bins. First where nothing is composited, and then where it is.
+    pub sorted: [Vec<[f64; 2]>; 2],
     /// Pixels of each tile that show something.
     pub covered: Vec<f64>,
     /// By the groups of clusters, then front to back.
@@ -156,7 +149,7 @@ impl Tiles {
         let clusters = context.clusters();
         let tiles = context.grid.count();
         let mut entries = Vec::new();
-        let mut sorted = vec![[0.0; 2]; ranks];
+        let mut sorted = [vec![[0.0; 2]; ranks], vec![[0.0; 2]; ranks]];
         let mut cells = vec![Cells::default(); tiles];
         let ranks_of = survey.divide(context, ranks);
         survey.visits(context, |place, visit| {
@@ -170,9 +163,11 @@ impl Tiles {
             } else {
                 [survey.step * BIN_CLUSTER, survey.step * rates.entry]
             };
-            let sorted = &mut sorted[rank_of(seen.number, clusters, ranks) as usize];
-            *sorted = [sorted[0] + sorting, sorted[1] + bytes];
             let rank = ranks_of[place];
+            for (sorted, rank) in sorted.iter_mut().zip([rank_of(seen.number, clusters, ranks), rank]) {
+                let [seconds, of_bins] = sorted[rank as usize];
+                sorted[rank as usize] = [seconds + sorting, of_bins + bytes];
+            }
             let (triangles, pixels) = (visit.triangles, visit.pixels);
             let (shown, place) = shown(seen.rect, context.grid.rect(visit.tile, context.size()));
             let shown = shown * survey.step;
@@ -189,7 +184,7 @@ impl Tiles {
             let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
             looked_at * rates.survey[0] + visits.min(effort.visits as f64) * rates.survey[1]
         };
-        let (survey, survey_of_clusters) = (seconds(DIVIDED_BY), seconds(CLUSTERS_DIVIDED_BY));
+        let (survey, survey_of_clusters) = (seconds(Effort::OF_TILES), seconds(Effort::of_clusters(ranks)));
         let mut found = Self {
             covered: cells.iter().zip(&pixels).map(|(cells, &of_tile)| cells.covered(of_tile)).collect(),
             pixels,
@@ -214,7 +209,7 @@ impl Tiles {
     /// What groups of this many ranks have in tiles, by group.
     pub fn parts(&self, group: usize, rates: &Rates) -> Vec<Part> {
         let group_of = |entry: &Entry| entry.rank as usize / group.max(1);
-        let groups = self.sorted.len().div_ceil(group.max(1));
+        let groups = self.sorted[0].len().div_ceil(group.max(1));
         // The entries of one group after those of another, each front to back.
         let mut ends = vec![0usize; groups + 1];
         self.entries.iter().for_each(|entry| ends[group_of(entry) + 1] += 1);
@@ -258,7 +253,7 @@ impl Tiles {
     }
 }
 
-/// The rank in whose share ([`tercio_raster::Part::range`]) of the clusters one is where contents of tiles are sent.
+/// The rank in whose share ([`tercio_raster::Part::range`]) of the clusters one is where nothing is composited.
 fn rank_of(cluster: u32, clusters: u32, ranks: usize) -> u32 {
     let of_next = (u64::from(cluster) + 1) * ranks as u64;
     ((of_next - 1) / u64::from(clusters.max(1))) as u32
@@ -280,7 +275,7 @@ struct Sum {
 impl Sum {
     fn add(&mut self, entry: &Entry, of_tile: f64, rates: &Rates) {
         let seen = if rates.translucent { 1.0 } else { 1.0 - self.hidden };
-        self.triangles += entry.triangles * (DRAWN_HIDDEN + (1.0 - DRAWN_HIDDEN) * seen);
+        self.triangles += entry.triangles * (WORK_OF_HIDDEN + (1.0 - WORK_OF_HIDDEN) * seen);
         self.seen += entry.triangles * seen;
         self.shown += entry.shown;
         self.cells.add(entry.shown, &entry.place);

@@ -151,7 +151,7 @@ impl<'a> Exchange<'a> {
         }
         if organisation == Organisation::SortLast && ranks > 1 {
             let clusters = self.drawing.iter().map(|drawn| drawn.clusters).sum();
-            charges[OF_DIVISION] = looked_at_to_divide_clusters(clusters) as f64;
+            charges[OF_DIVISION] = looked_at_to_divide_clusters(clusters, ranks) as f64;
         }
         charges
     }

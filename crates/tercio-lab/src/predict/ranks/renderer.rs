@@ -69,7 +69,10 @@ impl RanksWork {
         let context = FrameContext::new(scene, camera, &settings, threads)?;
         let load = Renderer::estimate_load(&context);
         let owners = sharing.division.owners(&context.grid, &load, ranks);
-        let clusters = Renderer::divide_clusters(&context, ranks);
+        let clusters = match sharing.organisation {
+            Organisation::SortLast => Renderer::divide_clusters(&context, ranks),
+            _ => Vec::new(),
+        };
         let mut traffic = Traffic::new(&sharing, &scene.background);
         let (mut drawn, mut tiles) = (Vec::new(), Vec::new());
         for rank in 0..ranks {

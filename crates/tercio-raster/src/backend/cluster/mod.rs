@@ -187,25 +187,29 @@ pub fn prefetch_body(context: &FrameContext, binned: &BinnedCluster) {
 /// of another cluster.
 #[inline(always)]
 pub fn prefetch_primitives(context: &FrameContext, slots: impl Iterator<Item = u32> + Clone) {
-    // The head tells where the numbers are.
-    each_triangle(context, slots.clone(), |cluster, _| prefetch(cluster.first_line()));
-    each_triangle(context, slots, |cluster, triangle| prefetch(cluster.primitive_lines(triangle)));
-}
-
-/// Calls `each` with cluster and number of the triangles in some slots, once for equal neighbours.
-#[inline(always)]
-fn each_triangle<'a>(
-    context: &FrameContext<'a>,
-    slots: impl Iterator<Item = u32>,
-    mut each: impl FnMut(ClusterView<'a>, usize),
-) {
-    let mut before = NO_SLOT;
-    for slot in slots {
-        if slot != NO_SLOT && slot != before {
-            let (_, cluster, triangle) = context.locate_slot(slot);
-            each(cluster, triangle);
+    // Elsewhere nothing is prefetched.
+    if !cfg!(target_arch = "x86_64") {
+        return;
+    }
+    let triangles = slots
+        .filter(|&slot| slot != NO_SLOT)
+        .map(|slot| (slot / MAX_TRIANGLES as u32, slot as usize % MAX_TRIANGLES));
+    // The head tells where the numbers are. Neighbours are often of the same cluster.
+    let mut known = NO_SLOT;
+    for (number, _) in triangles.clone() {
+        if number != known {
+            prefetch(context.cluster(number).1.first_line());
+            known = number;
         }
-        before = slot;
+    }
+    let mut known: Option<(u32, ClusterView)> = None;
+    for (number, triangle) in triangles {
+        let cluster = match known {
+            Some((known, cluster)) if known == number => cluster,
+            _ => context.cluster(number).1,
+        };
+        known = Some((number, cluster));
+        prefetch(cluster.primitive_lines(triangle));
     }
 }
 

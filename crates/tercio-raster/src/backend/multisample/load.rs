@@ -2,11 +2,11 @@
 
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
-use super::super::cluster::prefetch_primitives;
 use super::finished::{FinishedBlocks, blocks_of};
 use super::fragments::{Fragment, NO_FRAGMENT};
 use super::memory::SampleMemory;
 use super::shade::is_needed;
+use crate::backend::cluster::prefetch_primitives;
 use crate::context::FrameContext;
 use crate::depth_bounds::BLOCK_BITS;
 use crate::frame::fragments::{FragmentError, FragmentHead, FragmentsOfTile, TileFragment, write_fragment};
