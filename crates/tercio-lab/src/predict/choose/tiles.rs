@@ -17,17 +17,8 @@ const SHOWN_OF_BOX: f64 = 0.4;
 /// Fragments at the edges of triangles, for each square root of a pixel and of a triangle that is seen in it.
 const EDGES: f64 = 1.2;
 
-/// How many of a scene's clusters the renderer looks at when it divides a picture: every second, every third ...
-pub fn looked_at(clusters: u64) -> u64 {
-    looked_at_by(Effort::OF_TILES, clusters)
-}
-
-/// The same when it divides the clusters themselves.
-pub fn looked_at_to_divide_clusters(clusters: u64, ranks: usize) -> u64 {
-    looked_at_by(Effort::of_clusters(ranks), clusters)
-}
-
-fn looked_at_by(effort: Effort, clusters: u64) -> u64 {
+/// How many of a scene's clusters the renderer looks at with an effort: every second, every third ...
+pub fn looked_at(effort: Effort, clusters: u64) -> u64 {
     clusters.div_ceil(clusters.div_ceil(effort.clusters.into()).max(1))
 }
 
@@ -180,7 +171,7 @@ impl Tiles {
         });
         let pixels: Vec<f64> = pixels.collect();
         let seconds = |effort: Effort| {
-            let looked_at = looked_at_by(effort, clusters.into()) as f64;
+            let looked_at = looked_at(effort, clusters.into()) as f64;
             let visits = entries.len() as f64 * looked_at / f64::from(survey.looked_at.max(1));
             looked_at * rates.survey[0] + visits.min(effort.visits as f64) * rates.survey[1]
         };

@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 use tercio_parallel::Organisation;
+use tercio_raster::survey::Effort;
 
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
 use crate::predict::choose::rates;
-use crate::predict::choose::tiles::{looked_at, looked_at_to_divide_clusters};
+use crate::predict::choose::tiles::looked_at;
 use crate::predict::counts::Counters;
 
 /// Bytes of a line of memory, of a key and of a colour.
@@ -146,12 +147,12 @@ impl<'a> Exchange<'a> {
         let mut charges = [0.0; KINDS];
         let Sharing { organisation, division, ranks, size, edge } = *self.sharing;
         if organisation == Organisation::SortFirst && ranks > 1 && division.needs_load() {
-            charges[OF_DIVISION] = looked_at(self.drawing[0].clusters) as f64;
+            charges[OF_DIVISION] = looked_at(Effort::OF_TILES, self.drawing[0].clusters) as f64;
             charges[OF_DIVISION + 1] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
         }
         if organisation == Organisation::SortLast && ranks > 1 {
             let clusters = self.drawing.iter().map(|drawn| drawn.clusters).sum();
-            charges[OF_DIVISION] = looked_at_to_divide_clusters(clusters, ranks) as f64;
+            charges[OF_DIVISION] = looked_at(Effort::of_clusters(ranks), clusters) as f64;
         }
         charges
     }
