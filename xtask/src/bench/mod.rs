@@ -14,6 +14,7 @@ mod organisations;
 mod parallel;
 mod primitives;
 mod programs;
+mod ranks;
 mod report;
 mod run;
 mod samples;

@@ -1,5 +1,5 @@
-//! Ranks: every organisation, division and composition with 2 to 64 ranks of one process, and two processes of an MPI job
-//! against one thread.
+//! Ranks: every organisation, division and composition with 2 to 64 ranks of one process, and what is measured against the
+//! program without ranks ([`super::ranks`]).
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,8 +8,8 @@ use anyhow::{Context as _, Result};
 use serde_json::Value;
 use tercio_testkit::workspace_root;
 
-use super::report::{Bar, Report, digits};
-use super::{Arguments, machine};
+use super::report::{Report, digits};
+use super::{Arguments, machine, ranks};
 use crate::{packages, process};
 
 /// Models of about a million triangles: a solid that covers a fifth of the picture, one with many layers, and one that fills it.
@@ -41,9 +41,6 @@ const WAYS: [&str; 20] = [
     "--organisation sort-last --aa 1 --encoding dense --composition binary-swap",
 ];
 
-/// The organisations that two processes are measured with.
-const ORGANISATIONS: [&str; 3] = ["sort-first", "sort-middle", "sort-last"];
-
 /// Measures and writes `parallel.md`.
 ///
 /// # Errors
@@ -58,8 +55,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for model in MODELS {
         virtual_ranks(&program, model, arguments, &mut report)?;
     }
+    ranks::overhead(&program, arguments, &mut report)?;
+    ranks::active_pixels(&program, arguments, &mut report)?;
     match mpi {
-        Ok(()) => two_processes(&program, arguments, &mut report)?,
+        Ok(()) => ranks::two_processes(&program, arguments, &mut report)?,
         Err(missing) => report.note(&format!("Processes were not measured: {missing:#}.")),
     }
     report.note_load();
@@ -134,43 +133,4 @@ fn imbalance(frame: &Value) -> f64 {
     let drawn = ranks.iter().filter_map(|rank| rank["frame"]["backend"]["triangles_drawn"].as_f64());
     let (most, sum) = drawn.fold((0.0f64, 0.0), |(most, sum), n| (most.max(n), sum + n));
     most * ranks.len() as f64 / sum
-}
-
-/// Two processes against one thread, in turns.
-fn two_processes(program: &Path, arguments: &Arguments, report: &mut Report) -> Result<()> {
-    // Where the real model is, it is the one that the aims are for.
-    let dragon = tercio_testkit::shared_data().map(|data| data.join("meshes/ply/dragon_vrip.ply.gz"));
-    let dragon = dragon.filter(|path| path.is_file()).map(|path| path.display().to_string());
-    let (title, model, split) = match &dragon {
-        Some(path) => ("dragon split twice", path.as_str(), "--subdivide 2"),
-        None => ("builtin:teapot@13.9M", "builtin:teapot@13.9M", ""),
-    };
-    let introduction = format!(
-        "{title}, 1024x1024: two processes of mpirun, one thread each, bound to processors of their own, against one thread \
-         without ranks: the median, over {} turns, of the ratio of the medians of {} views.",
-        arguments.rounds, arguments.frames
-    );
-    report.table("Two processes", &introduction, &["samples", "organisation", "times as fast", "bar", ""]);
-    for samples in [1, 4] {
-        let mut ratios = vec![Vec::new(); ORGANISATIONS.len()];
-        for round in 0..arguments.rounds {
-            eprintln!("{title}, {samples} samples, turn {} of {}", round + 1, arguments.rounds);
-            let options = format!("{split} --aa {samples} --threads 1");
-            let median = |command, options: &str| {
-                let measured = bench(command, model, options, arguments.frames)?;
-                measured["median_ms"].as_f64().context("tercio bench reports no median")
-            };
-            let alone = median(Command::new(program), &options)?;
-            for (organisation, ratios) in ORGANISATIONS.iter().zip(&mut ratios) {
-                let command = mpirun(program, 2);
-                ratios.push(alone / median(command, &format!("{options} --organisation {organisation}"))?);
-            }
-        }
-        for (organisation, mut ratios) in ORGANISATIONS.iter().zip(ratios) {
-            ratios.sort_by(f64::total_cmp);
-            let ratio = ratios[ratios.len() / 2];
-            report.judge(&samples.to_string(), organisation, ratio, Bar::Least(1.7));
-        }
-    }
-    Ok(())
 }
