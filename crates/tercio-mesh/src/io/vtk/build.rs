@@ -1,5 +1,7 @@
 //! Makes lists of cells of the numbers of a file, and checks them.
 
+use crate::loops::prelude::*;
+
 use super::cells::{self, POLYHEDRON, Shape};
 use super::dataset::{CellList, Cells, Ends, Job};
 use super::numbers::Numbers;
@@ -113,7 +115,9 @@ pub fn offset_list(
     let points = connectivity.len() as u64;
     let first = if cells > 0 { offsets.index(skipped).unwrap_or(0) } else { 0 };
     let is_uniform = first.checked_mul(cells as u64) == Some(points)
-        && (0..cells).all(|cell| offsets.index(cell + skipped) == Some(first * (cell as u64 + 1)));
+        && !(0..cells)
+            .into_par_iter()
+            .any(|cell| offsets.index(cell + skipped) != Some(first * (cell as u64 + 1)));
     let ends = if is_uniform {
         Ends::Uniform { corners: first as usize, cells }
     } else {
@@ -152,37 +156,42 @@ pub fn unstructured(
         let expected = format!("as many types as cells, {}", list.len());
         return Err(job.malformed(types.place(0), expected, types.len().to_string()));
     }
-    let mut checked = Vec::with_capacity(types.len());
     let has_faces = faces.is_some();
     let polyhedra = faces.unwrap_or_default();
-    for i in 0..types.len() {
-        let number = types.index(i).and_then(|n| u8::try_from(n).ok());
-        let Some((cell_type, shape)) = number.and_then(|n| Some((n, cells::shape(n)?))) else {
-            let expected = format!("the type of a cell (cell {i})");
-            return Err(job.malformed(types.place(i), expected, found(types, i)));
+    // A number too large for a type is none, as is this one.
+    let number = |i: usize| types.index(i).and_then(|n| u8::try_from(n).ok()).unwrap_or(u8::MAX);
+    let checked: Vec<u8> = (0..types.len()).into_par_iter().map(number).collect();
+    // What was expected of a cell and what it has instead, if it is wrong.
+    let wrong = |i: usize| {
+        let cell_type = checked.get(i).copied().unwrap_or(u8::MAX);
+        let Some(shape) = cells::shape(cell_type) else {
+            return Some((format!("the type of a cell (cell {i})"), found(types, i)));
         };
-        checked.push(cell_type);
         let nodes = list.get(i);
         let (least, most) = shape.nodes();
         if !(least..=most).contains(&nodes.len()) {
             let expected = format!("{least} points of cell {i}, whose type is {cell_type}");
-            return Err(job.malformed(types.place(i), expected, nodes.len().to_string()));
+            return Some((expected, nodes.len().to_string()));
         }
-        let wrong = if shape == Shape::Polyhedron {
+        if shape == Shape::Polyhedron {
             let stream = if has_faces { polyhedra.get(i) } else { nodes };
-            polyhedron(stream, points)
-        } else {
-            nodes.iter().find(|&&n| u64::from(n) >= points).map(|n| format!("{} in cell {i}", n))
-        };
-        if let Some(wrong) = wrong {
-            let expected = match shape {
-                Shape::Polyhedron => {
-                    format!("the faces of cell {i}, a polyhedron, each its number of points and these")
-                }
-                _ => expected_vertex(points),
-            };
-            return Err(job.malformed(types.place(i), expected, wrong));
+            let expected =
+                || format!("the faces of cell {i}, a polyhedron, each its number of points and these");
+            return polyhedron(stream, points).map(|wrong| (expected(), wrong));
         }
+        let node = nodes.iter().find(|&&n| u64::from(n) >= points)?;
+        Some((expected_vertex(points), format!("{node} in cell {i}")))
+    };
+    let chunks = (0..types.len().div_ceil(STEP)).into_par_iter();
+    let first_wrong = chunks.map(|chunk| {
+        let mut cells = chunk * STEP..((chunk + 1) * STEP).min(types.len());
+        cells.find(|&i| wrong(i).is_some()).unwrap_or(usize::MAX)
+    });
+    let first_wrong = first_wrong.reduce(|| usize::MAX, usize::min);
+    if first_wrong < types.len()
+        && let Some((expected, found)) = wrong(first_wrong)
+    {
+        return Err(job.malformed(types.place(first_wrong), expected, found));
     }
     Ok(Cells::Unstructured { types: checked, list, polyhedra })
 }

@@ -275,22 +275,33 @@ impl Numbers<'_> {
         tuples: Option<&[u32]>,
         value: impl Fn([f64; N]) -> V + Sync,
     ) -> Vec<V> {
-        let count = tuples.map_or(self.len() / of.max(1), <[u32]>::len);
-        let stride = of * self.scalar.bytes();
-        let mut values = vec![V::default(); count];
-        values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, values)| {
-            self.consumed(values.len() * stride);
-            for (i, slot) in values.iter_mut().enumerate() {
-                let i = chunk * CHUNK + i;
-                let tuple = tuples.map_or(i, |t| t.get(i).map_or(0, |&t| t as usize));
-                let mut numbers = [0.0; N];
-                for (k, number) in numbers.iter_mut().enumerate().take(of) {
-                    *number = self.double(tuple * of + k);
+        fn convert<T: Number, const N: usize, V: Send + Sync + Default + Clone>(
+            numbers: &Numbers,
+            of: usize,
+            tuples: Option<&[u32]>,
+            value: impl Fn([f64; N]) -> V + Sync,
+        ) -> Vec<V> {
+            let count = tuples.map_or(numbers.len() / of.max(1), <[u32]>::len);
+            let size = numbers.scalar.bytes();
+            let stride = of * size;
+            let mut values = vec![V::default(); count];
+            values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, values)| {
+                numbers.consumed(values.len() * stride);
+                for (i, slot) in values.iter_mut().enumerate() {
+                    let i = chunk * CHUNK + i;
+                    let tuple = tuples.map_or(i, |t| t.get(i).map_or(0, |&t| t as usize));
+                    let bytes = numbers.bytes.get(tuple * stride..).unwrap_or_default();
+                    let mut tuple = [0.0; N];
+                    for (k, number) in tuple.iter_mut().enumerate().take(of) {
+                        let bytes = bytes.get(k * size..).unwrap_or_default();
+                        *number = T::read(bytes, numbers.big_endian).double();
+                    }
+                    *slot = value(tuple);
                 }
-                *slot = value(numbers);
-            }
-        });
-        values
+            });
+            values
+        }
+        typed!(self.scalar, T => convert::<T, N, V>(self, of, tuples, value))
     }
 
     /// Points of three numbers each as `f32`.

@@ -1,5 +1,7 @@
 //! One data set as triangles, lines and points with their data, before it is joined with those of other files.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use crate::loops::prelude::*;
 
 use super::dataset::{Array, Cells, DataSet, Job, Points, Use};
@@ -165,10 +167,9 @@ impl OctNormalOf {
 
 /// Numbers the points that triangles use, in their order.
 fn keep_used(job: &Job, surface: &mut Surface, points: u64) -> Result<Vec<u32>, ReadError> {
-    const UNUSED: u32 = u32::MAX;
     let corners = surface.triangles.as_flattened().len() as u64;
     // Of a large grid few points are on the surface: they are sorted, so that no table of all points is needed.
-    if points > corners.saturating_mul(8) {
+    if points / 64 > corners {
         job.reserve("the vertices of its surface", 4 * corners)?;
         let mut kept = surface.triangles.as_flattened().to_vec();
         kept.par_sort_unstable();
@@ -177,15 +178,37 @@ fn keep_used(job: &Job, surface: &mut Surface, points: u64) -> Result<Vec<u32>, 
         surface.triangles.par_iter_mut().for_each(|t| *t = t.map(number));
         return Ok(kept);
     }
-    job.reserve("the vertices of its surface", 8 * points)?;
-    let mut numbers = vec![UNUSED; points as usize];
-    surface.triangles.as_flattened().iter().for_each(|&v| numbers[v as usize] = 0);
-    let mut kept = Vec::new();
-    for (point, number) in numbers.iter_mut().enumerate().filter(|(_, n)| **n != UNUSED) {
-        *number = kept.len() as u32;
-        kept.push(point as u32);
+    let words = points.div_ceil(64);
+    job.reserve("the vertices of its surface", 4 * points.min(corners) + 12 * words)?;
+    // A bit of each point.
+    let used: Vec<AtomicU64> = (0..words).map(|_| AtomicU64::new(0)).collect();
+    surface.triangles.par_iter().for_each(|triangle| {
+        for &v in triangle {
+            let (word, bit) = (&used[v as usize / 64], 1 << (v % 64));
+            // Nearly always it is there, and reading is cheaper.
+            if word.load(Relaxed) & bit == 0 {
+                word.fetch_or(bit, Relaxed);
+            }
+        }
+    });
+    let used: Vec<u64> = used.into_iter().map(AtomicU64::into_inner).collect();
+    let (mut kept, mut before) = (Vec::new(), Vec::with_capacity(used.len()));
+    for (word, &bits) in used.iter().enumerate() {
+        before.push(kept.len() as u32);
+        let mut rest = bits;
+        while rest != 0 {
+            kept.push(64 * word as u32 + rest.trailing_zeros());
+            rest &= rest - 1;
+        }
     }
-    surface.triangles.par_iter_mut().for_each(|t| *t = t.map(|v| numbers[v as usize]));
+    if kept.len() as u64 == points {
+        return Ok(kept);
+    }
+    let number = |v: u32| {
+        let word = v as usize / 64;
+        before[word] + (used[word] & ((1 << (v % 64)) - 1)).count_ones()
+    };
+    surface.triangles.par_iter_mut().for_each(|t| *t = t.map(number));
     Ok(kept)
 }
 

@@ -7,6 +7,8 @@
 mod builder;
 mod ghosts;
 mod grid;
+#[cfg(test)]
+mod tests;
 mod volumes;
 
 use crate::loops::prelude::*;
@@ -49,20 +51,26 @@ pub fn extract(job: &Job, data: &mut DataSet) -> Result<Surface, ReadError> {
         }
     }
     let has_ghosts = Ghosts::of(data).are_any();
-    match &mut data.cells {
+    let list = match &mut data.cells {
         Cells::Structured(dims) if !has_ghosts => return grid::outer(job, *dims, &data.points, &data.beside),
         Cells::Poly([verts, lines, polygons, strips]) if !has_ghosts => {
             let others = [verts, lines, strips].iter().map(|l| l.len()).sum::<usize>();
-            if let (0, Ends::Uniform { corners: 3, .. }) = (others, &polygons.ends) {
-                // They are triangles already.
-                let (triangles, _) = polygons.connectivity.as_chunks::<3>();
-                job.reserve("triangles", 12 * triangles.len() as u64)?;
-                let triangles = triangles.to_vec();
-                polygons.connectivity = Vec::new();
-                return Ok(Surface { triangles, ..Surface::default() });
-            }
+            (others == 0).then_some(polygons)
         }
-        _ => {}
+        Cells::Unstructured { types, list, .. } if !has_ghosts => {
+            types.iter().all(|&t| t == cells::TRIANGLE).then_some(list)
+        }
+        _ => None,
+    };
+    if let Some(list) = list
+        && let Ends::Uniform { corners: 3, .. } = list.ends
+    {
+        // They are triangles already.
+        let (triangles, _) = list.connectivity.as_chunks::<3>();
+        job.reserve("triangles", 12 * triangles.len() as u64)?;
+        let triangles = triangles.to_vec();
+        list.connectivity = Vec::new();
+        return Ok(Surface { triangles, ..Surface::default() });
     }
     Extraction::new(data).run(job)
 }
@@ -133,20 +141,23 @@ impl<'a> Extraction<'a> {
 
     fn run(&self, job: &Job) -> Result<Surface, ReadError> {
         job.begin("extracting the surface", self.count as u64);
-        let hidden = volumes::Hidden::find(self, job)?;
+        let outer = volumes::Outer::find(self, job)?;
         let chunks = self.count.div_ceil(CHUNK);
         let cells = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(self.count);
         let nodes: u64 = (0..chunks)
             .into_par_iter()
             .map(|chunk| {
                 let (mut buffer, mut nodes) = ([0; 8], 0);
-                let mut number = hidden.first(chunk);
+                let mut number = outer.first(chunk);
                 for cell in cells(chunk) {
                     let (shape, all) = self.cell(cell, &mut buffer);
                     match shape {
                         _ if self.ghosts.part(cell, all) == Part::Gone => {}
+                        Shape::Volume(volume) if !outer.are_any(number..number + volume.faces.len()) => {
+                            number += volume.faces.len();
+                        }
                         Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, all, |_, face| {
-                            nodes += if hidden.is(number) { 0 } else { face.len() as u64 };
+                            nodes += if outer.is(number) { face.len() as u64 } else { 0 };
                             number += 1;
                         }),
                         _ => nodes += all.len() as u64,
@@ -161,7 +172,7 @@ impl<'a> Extraction<'a> {
             .into_par_iter()
             .map(|chunk| {
                 let mut builder = Builder::new(&self.data.points);
-                let (mut buffer, mut number) = ([0; 8], hidden.first(chunk));
+                let (mut buffer, mut number) = ([0; 8], outer.first(chunk));
                 for cell in cells(chunk) {
                     let (shape, nodes) = self.cell(cell, &mut buffer);
                     let part = self.ghosts.part(cell, nodes);
@@ -170,8 +181,11 @@ impl<'a> Extraction<'a> {
                     }
                     builder.begin(cell as u32);
                     match shape {
+                        Shape::Volume(volume) if !outer.are_any(number..number + volume.faces.len()) => {
+                            number += volume.faces.len();
+                        }
                         Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, nodes, |corners, face| {
-                            if part == Part::Whole && !hidden.is(number) && !self.ghosts.hide(face) {
+                            if part == Part::Whole && outer.is(number) && !self.ghosts.hide(face) {
                                 builder.side(corners, face);
                             }
                             number += 1;
