@@ -1,15 +1,30 @@
 //! The files that a command line names. The rule for all commands: no output is an input or another output.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 use anyhow::{Context, Result};
 use tercio::image::{Destination, FileIdentity};
 
 use crate::output::{self, UsageError};
+
+/// Paths of files that a command reads, those that its models name included.
+#[derive(Clone, Debug, Default)]
+pub struct FilesRead(Arc<Mutex<BTreeSet<PathBuf>>>);
+
+impl FilesRead {
+    /// All paths so far.
+    pub fn paths(&self) -> BTreeSet<PathBuf> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn extend<'a>(&self, paths: impl IntoIterator<Item = &'a PathBuf>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend(paths.into_iter().cloned());
+    }
+}
 
 /// The inputs and outputs of a command. Names are collected first, then [`NamedFiles::check`]ed, before anything is
 /// read.
@@ -20,6 +35,8 @@ pub struct NamedFiles {
     /// Companions that no output replaces.
     checked: Mutex<HashSet<PathBuf>>,
     newest_input: Option<SystemTime>,
+    /// Inputs and companions, with their paths.
+    paths: FilesRead,
 }
 
 #[derive(Debug)]
@@ -30,11 +47,19 @@ struct Named {
 }
 
 impl NamedFiles {
+    /// From now on, adds the paths of inputs and companions to `paths`.
+    pub fn recording(mut self, paths: &FilesRead) -> Self {
+        paths.extend(&self.paths.paths());
+        self.paths = paths.clone();
+        self
+    }
+
     /// Adds an input, `-` for standard input. `what` is its kind: "the model".
     pub fn reads(mut self, what: &str, path: &Path) -> Self {
         let named = if path.as_os_str() == "-" {
             Named { words: format!("{what} from standard input"), identity: FileIdentity::standard_input() }
         } else {
+            self.paths.extend([&path.to_path_buf()]);
             Named { words: format!("{what} {}", path.display()), identity: FileIdentity::from_path(path) }
         };
         self.read.push(named);
@@ -120,6 +145,7 @@ impl NamedFiles {
     /// # Errors
     /// [`UsageError`] with both names.
     pub fn check_companions(&self, model: &str, companions: &[PathBuf]) -> Result<(), UsageError> {
+        self.paths.extend(companions);
         if companions.is_empty() || self.written.iter().all(|(output, _)| output.identity.is_none()) {
             return Ok(());
         }

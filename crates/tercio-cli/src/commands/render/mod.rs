@@ -59,7 +59,7 @@ use crate::args::strokes::StrokeArgs;
 use crate::args::textures::TextureArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, RunningArgs};
-use crate::named_files::NamedFiles;
+use crate::named_files::{FilesRead, NamedFiles};
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::scene_file::Origin;
@@ -159,6 +159,9 @@ pub struct Render {
     /// Where the options come from, besides the command line.
     #[arg(skip)]
     pub origin: Origin,
+    /// The files that were read for the pictures drawn so far.
+    #[arg(skip)]
+    files_read: FilesRead,
 }
 
 /// Everything that is known before a model is loaded.

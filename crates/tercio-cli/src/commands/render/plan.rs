@@ -228,6 +228,7 @@ impl Render {
 
     /// The files that are read, added to `files`.
     fn read_files(&self, files: NamedFiles) -> NamedFiles {
+        let files = files.recording(&self.files_read);
         let files = self.files_of_model().iter().fold(files, |files, m| files.reads_model(m));
         let files = self.others.iter().fold(files, |files, m| files.reads_model(&m.model.model));
         let files = self.members().fold(files, |files, member| member.data.named_files(files));

@@ -1,5 +1,6 @@
-//! `--watch`: draws again whenever a model changes.
+//! `--watch`: draws again whenever a model changes, or another file that its picture is made of.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -34,9 +35,9 @@ impl Render {
             // A scene file is read again. The models of one that is wrong are those of the last one.
             let again = scene_file::render(&self.origin.arguments);
             if let Ok(Some(again)) = &again {
-                render = again.clone();
+                render = Self { files_read: render.files_read, ..again.clone() };
             }
-            let drawn = render.stamps();
+            let before = render.stamps();
             match again.and_then(|_| render.run_once()) {
                 Err(error) if is_first && error.is::<UsageError>() => return Err(error),
                 Err(error) => messages::error(&error),
@@ -46,33 +47,48 @@ impl Render {
             if !self.running.quiet {
                 messages::note("waiting for a change of the model; Ctrl+C ends");
             }
-            let mut before = drawn.clone();
+            // Which other files a model names is known now. Those that were known before may have changed while it was drawn.
+            let mut drawn = render.stamps();
+            drawn.extend(before);
+            let mut last = drawn.clone();
             loop {
                 thread::sleep(PAUSE);
                 let now = render.stamps();
-                // A file that is still being written changes from look to look.
-                if now != drawn && now == before && now.iter().all(Option::is_some) {
+                // A file that is still being written changes from look to look. One that is being replaced is not there for a while.
+                let is_gone = |(path, stamp): (&PathBuf, &Stamp)| {
+                    stamp.is_none() && drawn.get(path).is_some_and(Option::is_some)
+                };
+                if now != drawn && now == last && !now.iter().any(is_gone) {
                     break;
                 }
-                before = now;
+                last = now;
             }
         }
     }
 
-    fn stamps(&self) -> Vec<Stamp> {
+    /// The files that the pictures are drawn from.
+    fn stamps(&self) -> BTreeMap<PathBuf, Stamp> {
         let models = match self.models() {
             Ok(Models::Batch(models)) => models,
             Ok(Models::Steps(steps)) => steps.into_iter().map(|step| step.model).collect(),
             _ => vec![self.model.model.clone()],
         };
+        let others = self.others.iter().map(|other| other.model.model.clone());
+        let scene = self.origin.scene_file().map(Path::to_path_buf);
+        let mut files = self.files_read.paths();
+        files.extend(models.into_iter().chain(others).chain(scene));
+        // Models that are made do not change.
+        files.retain(|path| !path.to_string_lossy().starts_with("builtin:"));
         let stamp = |path: &Path| {
             let metadata = fs::metadata(path).ok()?;
             Some((metadata.modified().ok()?, metadata.len()))
         };
-        let others = self.others.iter().map(|other| &other.model.model);
-        // Models that are made do not change.
-        let is_file = |path: &&Path| !path.to_string_lossy().starts_with("builtin:");
-        let all = models.iter().chain(others).map(PathBuf::as_path).chain(self.origin.scene_file());
-        all.filter(is_file).map(stamp).collect()
+        files
+            .into_iter()
+            .map(|path| {
+                let stamp = stamp(&path);
+                (path, stamp)
+            })
+            .collect()
     }
 }
