@@ -16,6 +16,7 @@ mod gallery;
 mod header;
 mod libtest;
 mod models;
+mod options;
 mod packages;
 mod process;
 mod suite;
@@ -55,6 +56,8 @@ enum Command {
     Capi(capi::Arguments),
     /// Make the header of the C interface again
     Header,
+    /// Write docs/options.md from the definition of the options
+    Options,
     /// Draw the pictures of the README into docs/images/
     Figures,
     /// Draw the pictures of docs/gallery.md, and write that page from docs/gallery.toml; fail when one that was there has changed
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Command::Aarch64(arguments) => aarch64::run_tests(&arguments),
         Command::Capi(arguments) => capi::run(&arguments),
         Command::Header => header::run(),
+        Command::Options => options::run(),
         Command::Figures => figures::run(),
         Command::Gallery(arguments) => gallery::run(&arguments),
     };

@@ -119,6 +119,9 @@ fn short_ways_and_names_of_other_programs_mean_the_same() {
         assert!(outcome.text().contains("render") && outcome.text().len() > 1000, "{arguments}");
     }
     assert!(place.run("man render").text().contains("turntable"));
+    let page = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/options.md"));
+    let latest = place.run("man --markdown").ok_silently();
+    assert!(latest.text() == page, "docs/options.md is not the latest: cargo xtask options");
 }
 
 #[test]

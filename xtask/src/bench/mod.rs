@@ -4,9 +4,10 @@
 //! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
 //! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]), `cargo xtask bench organisations` what
 //! `--organisation auto` chooses ([`organisations`]), `cargo xtask bench primitives` what lines, points, data and annotation cost
-//! ([`primitives`]). Otherwise all programs draw the same files from the same cameras, in turns, so that
+//! ([`primitives`]), `cargo xtask bench batch` whole commands that draw many pictures, and VTK files ([`batch`]). Otherwise all programs draw the same files from the same cameras, in turns, so that
 //! other load of the machine affects all of them alike, and every ratio is taken within one turn.
 
+mod batch;
 mod cliffs;
 mod first_picture;
 mod machine;
@@ -63,6 +64,8 @@ enum Instead {
     Organisations,
     /// Instructions of lines, points, glyphs, data and annotation, written to primitives.md
     Primitives,
+    /// Commands that draw many pictures, and VTK files, written to batch.md
+    Batch,
 }
 
 /// A part of what is measured.
@@ -106,6 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(Instead::Parallel) => return parallel::run(arguments),
         Some(Instead::Organisations) => return organisations::run(arguments),
         Some(Instead::Primitives) => return primitives::run(arguments),
+        Some(Instead::Batch) => return batch::run(arguments),
         None => {}
     }
     packages::provide(packages::RIVALS);

@@ -1,4 +1,4 @@
-//! What is made from the definition of the options: shell completions and manual pages.
+//! What is made from the definition of the options: shell completions, manual pages, and the reference of options.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -8,6 +8,7 @@ use clap::Args;
 use clap_complete::Shell;
 use tercio::image::Destination;
 
+use super::reference;
 use crate::output::write_text;
 
 /// Prints the completions of a shell.
@@ -44,6 +45,7 @@ Examples:
   tercio man | man -l -
   tercio man render > tercio-render.1
   tercio man --all /usr/local/share/man/man1
+  tercio man --markdown > options.md
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Man {
@@ -52,6 +54,9 @@ pub struct Man {
     /// Writes the pages of tercio and of all its commands into this folder.
     #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
     all: Option<PathBuf>,
+    /// Prints the options of all commands as one page of Markdown.
+    #[arg(long, conflicts_with_all = ["command", "all"])]
+    markdown: bool,
 }
 
 impl Man {
@@ -62,6 +67,9 @@ impl Man {
     pub fn run(&self) -> Result<ExitCode> {
         let mut program = crate::definition();
         program.build();
+        if self.markdown {
+            return print(reference::page(&program).into_bytes());
+        }
         if let Some(folder) = &self.all {
             let names = program.get_subcommands().filter(|command| !command.is_hide_set());
             let names: Vec<String> = names.map(|command| command.get_name().to_owned()).collect();

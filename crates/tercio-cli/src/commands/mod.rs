@@ -6,4 +6,5 @@ pub mod definition;
 pub mod info;
 pub mod lab;
 pub mod prepare;
+mod reference;
 pub mod render;

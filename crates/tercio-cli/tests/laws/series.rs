@@ -276,12 +276,72 @@ fn binary_faces(n: usize) -> Vec<u8> {
     b"OFF BINARY\n".iter().copied().chain(words.into_iter().flat_map(u32::to_be_bytes)).collect()
 }
 
+/// Tetrahedra on one face: all of their faces have few different lowest corners.
+fn shared_face(n: usize) -> Vec<u8> {
+    let points = n + 3;
+    format!(
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {points} float\n{}CELLS {n} {}\n{}CELL_TYPES {n}\n{}",
+        lines!(points, i => "{} {} {}\n", i % 9, i % 7, i % 5),
+        5 * n,
+        lines!(n, i => "4 0 1 2 {}\n", i + 3),
+        "10\n".repeat(n)
+    )
+    .into_bytes()
+}
+
+/// Very many pieces of a triangle each, with an array that each has and one that only one has.
+fn pieces(n: usize) -> Vec<u8> {
+    let piece = lines!(n, i =>
+        "<Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><PointData><DataArray type=\"Float32\" Name=\"all\" format=\"ascii\">1 2 3\
+         </DataArray></PointData><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">{i} 0 0 {i} 1 0 0 1 1\
+         </DataArray></Points><Polys><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>\
+         <DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys></Piece>\n"
+    );
+    format!("<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"><PolyData>{piece}</PolyData></VTKFile>")
+        .into_bytes()
+}
+
+/// A table of points with a colour.
+fn table(n: usize) -> String {
+    lines!(n, i => "{} {} {} {} 7 9\n", i % 9, i % 7, i % 5, i % 255)
+}
+
+fn pcd(n: usize) -> Vec<u8> {
+    format!(
+        "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z a b c\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nCOUNT 1 1 1 1 1 1\nWIDTH {n}\nHEIGHT 1\n\
+         POINTS {n}\nDATA ascii\n{}",
+        table(n)
+    )
+    .into_bytes()
+}
+
+/// Points of LAS 1.2 in their simplest form.
+fn las(n: usize) -> Vec<u8> {
+    let mut file = vec![0u8; 227];
+    file[..4].copy_from_slice(b"LASF");
+    (file[24], file[25]) = (1, 2);
+    file[94..96].copy_from_slice(&227u16.to_le_bytes());
+    file[96..100].copy_from_slice(&227u32.to_le_bytes());
+    file[105..107].copy_from_slice(&20u16.to_le_bytes());
+    file[107..111].copy_from_slice(&(n as u32).to_le_bytes());
+    // Scales, offsets, and the largest and smallest coordinate of each axis.
+    let numbers = [0.01, 0.01, 0.01, 0.0, 0.0, 0.0, 0.08, 0.0, 0.06, 0.0, 0.04, 0.0];
+    for (slot, number) in file[131..].chunks_exact_mut(8).zip(numbers) {
+        slot.copy_from_slice(&f64::to_le_bytes(number));
+    }
+    for i in 0..n as i32 {
+        file.extend([i % 9, i % 7, i % 5].into_iter().flat_map(i32::to_le_bytes));
+        file.extend([0; 8]);
+    }
+    file
+}
+
 fn padded(model: &[u8], zeros: usize) -> Vec<u8> {
     [model, &vec![0; zeros]].concat()
 }
 
 /// Name, number of elements that take a measurable time, and maker.
-pub const SERIES: [(&str, usize, Maker); 45] = [
+pub const SERIES: [(&str, usize, Maker); 50] = [
     ("fan.ply", 62_500, fan),
     ("book.ply", 62_500, book),
     ("duplicate_triangles.ply", 12_000, duplicate_triangles),
@@ -322,6 +382,11 @@ pub const SERIES: [(&str, usize, Maker); 45] = [
     ("wide_vertices.off", 12_000, wide_vertices),
     ("binary_faces.off", 150_000, binary_faces),
     ("large.stl", 60_000, |n| binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| (x as f32).to_bits()))),
+    ("shared_face.vtk", 12_000, shared_face),
+    ("pieces.vtp", 1_000, pieces),
+    ("table.xyz", 20_000, |n| table(n).into_bytes()),
+    ("points.pcd", 20_000, pcd),
+    ("points.las", 40_000, las),
     ("padded.obj", 3_000_000, |n| padded(TRIANGLE.as_bytes(), n)),
     ("padded.off", 3_000_000, |n| padded(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", n)),
     ("padded.stl", 3_000_000, |n| {
