@@ -219,6 +219,24 @@ mod tests {
         }
     }
 
+    #[test]
+    fn all_parts_of_a_tile_reach_one_of_many_ranks() {
+        for count in [257u64, 1023] {
+            // Each has a quarter of the tiles, some nothing.
+            let bits = |rank: u64| {
+                rank.wrapping_mul(0x9e37_79b9_7f4a_7c15) & rank.wrapping_mul(0xd1b5_4a32_d192_ed03)
+            };
+            let touched = touched(&(0..count).map(bits).collect::<Vec<_>>());
+            let tiles = touched.shared();
+            let ranks = touched.ranks_of_any(&tiles);
+            assert!(ranks.len() as u64 + 1 >= count, "{} of {count}", ranks.len());
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            for composition in Composition::ALL {
+                play(composition, &shared);
+            }
+        }
+    }
+
     /// Messages and tiles sent by all of so many ranks that each touch everything.
     fn sent(composition: Composition, count: usize) -> (usize, usize) {
         let touched = touched(&vec![u64::MAX; count]);
