@@ -137,11 +137,13 @@ fn run(cli: Cli) -> ExitCode {
     result.unwrap_or_else(|error| fail(&error, failure))
 }
 
-/// Prints the error.
+/// Prints the error; wrong usage once for all processes of a job that were started alike.
 fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
     if error.is::<output::UsageError>() {
-        messages::error(error);
-        messages::note("\nFor more information, try '--help'.");
+        if mpi::is_first_alike() {
+            messages::error(error);
+            messages::note("\nFor more information, try '--help'.");
+        }
         return ExitCode::from(2);
     }
     messages::error(error);
@@ -151,8 +153,10 @@ fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
 /// Prints the parser's answer: help and version, whose printing must not fail silently, or wrong usage.
 fn print_answer(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
-        // A closed standard error changes nothing.
-        let _ = answer.print();
+        if mpi::is_first_alike() {
+            // A closed standard error changes nothing.
+            let _ = answer.print();
+        }
         return ExitCode::from(2);
     }
     let text = answer.render();

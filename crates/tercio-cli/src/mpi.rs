@@ -1,9 +1,25 @@
 //! Processes that `mpirun` started: detection, and work that they do together.
 
+#[cfg(any(feature = "mpi", test))]
+use std::time::Duration;
+
 use anyhow::Result;
+#[cfg(any(feature = "mpi", test))]
+use tercio::parallel::comm::RankNames;
 
 pub use ranks::{Comm, library, run, watch};
-pub use tercio_mpi::{is_first, local_processes, own_processors, processes};
+pub use tercio_mpi::{is_first, is_first_alike, local_processes, own_processors, processes};
+
+/// After this time a rank says which one it waits for.
+#[cfg(any(feature = "mpi", test))]
+const SILENCE: Duration = Duration::from_secs(10);
+
+/// What it says.
+#[cfg(any(feature = "mpi", test))]
+fn notice(rank: usize, waited: Duration, from: &RankNames) -> String {
+    let seconds = waited.as_secs();
+    format!("rank {rank} has waited {seconds} s for {from} (--timeout ends such a job)")
+}
 
 /// With the feature `mpi`.
 #[cfg(feature = "mpi")]
@@ -17,7 +33,7 @@ mod ranks {
     pub use tercio_mpi::MpiComm as Comm;
     use tercio_mpi::Patience;
 
-    use super::Result;
+    use super::{Result, SILENCE, notice};
     use crate::messages;
 
     /// Name and version of the MPI library.
@@ -25,18 +41,11 @@ mod ranks {
         comm.library()
     }
 
-    /// After this time a rank says which one it waits for.
-    const SILENCE: Duration = Duration::from_secs(10);
-
     /// From now on this rank says which one it waits for, if it waits for long, and fails after the `timeout`.
     pub fn watch(comm: &mut Comm, timeout: Option<Duration>) {
         let rank = comm.rank();
-        let notice = move |from: &RankNames| {
-            let seconds = SILENCE.as_secs();
-            let text = format!("rank {rank} has waited {seconds} s for {from} (--timeout ends such a job)");
-            messages::warning(&text);
-        };
-        comm.set_patience(Patience { silence: SILENCE, notice: Box::new(notice), timeout });
+        let tell = move |from: &RankNames| messages::warning(&notice(rank, SILENCE, from));
+        comm.set_patience(Patience { silence: SILENCE, notice: Box::new(tell), timeout });
     }
 
     /// Runs this rank's part of the work of a job, once. If it fails, the rank prints why and ends the job.
@@ -122,5 +131,20 @@ mod ranks {
             "mpirun started {count} of this program, which was built without MPI: build it with 'cargo build --release \
              --features mpi' (that needs an MPI installation, such as Debian's libopenmpi-dev, and libclang-dev)"
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tercio::parallel::comm::Awaited;
+
+    use super::*;
+
+    #[test]
+    fn a_rank_that_is_silent_for_10_seconds_is_named() {
+        let text = "rank 2 has waited 10 s for rank 5 (--timeout ends such a job)";
+        assert_eq!(notice(2, SILENCE, &5.into()), text);
+        let several = Awaited::new([3, 1]).names();
+        assert!(notice(0, SILENCE, &several).contains(&several.to_string()));
     }
 }

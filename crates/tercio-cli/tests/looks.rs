@@ -66,13 +66,21 @@ fn textures_and_shadows_do_not_depend_on_how_they_are_drawn() {
         "--shadows=64 --light dir:1,1,1 --light point:0,0,1:*0.3",
         "--shadows=64 --shading pbr --roughness 0.3 --light spot:0.5,0.5,2:0,0,-1:20",
         "--shadows --texture-filter trilinear",
+        "--shadows --texture-filter nearest --texture-alpha cutout --aa 1",
     ];
     for look in looks {
-        for (model, opaque) in [("m.obj", false), ("builtin:soup@2k", true)] {
+        for model in ["m.obj", "builtin:soup@2k"] {
             let render = format!("render {model} --size 120x90 -q {look}");
             place.run(&format!("{render} -o a.png")).ok_silently();
-            let last = if opaque { "--ranks 2 --organisation sort-last" } else { "--threads 1" };
-            for how in ["--threads 2", "--simd sse2", "--tile-size 16", "--ranks 3", last] {
+            for how in [
+                "--threads 2",
+                "--simd sse2",
+                "--tile-size 16",
+                "--ranks 3",
+                "--ranks 3 --organisation sort-first",
+                "--ranks 2 --organisation sort-last",
+                "--ranks 3 --organisation sort-twice --group 2",
+            ] {
                 place.run(&format!("{render} {how} -o b.png")).ok_silently();
                 assert!(place.read("a.png") == place.read("b.png"), "{model} {look} {how}");
             }

@@ -1,6 +1,10 @@
 //! Processes that mpirun started draw one picture. Ranks share the processors of the machine, however few it has.
 
 mod common;
+#[path = "mpi/errors.rs"]
+mod errors;
+#[path = "mpi/shares.rs"]
+mod shares;
 
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;

@@ -26,6 +26,26 @@ fn is_first_by(value: impl Fn(&str) -> Option<String>) -> bool {
     RANK_VARIABLES.into_iter().find_map(value).is_none_or(|rank| rank.trim() == "0")
 }
 
+/// Where Open MPI stores the number of processes of each part of a command with several (`mpirun -n 1 a : -n 2 b`).
+const PARTS_VARIABLE: &str = "OMPI_APP_CTX_NUM_PROCS";
+
+/// Is this the first of the processes that were started with the same arguments, which tells what is wrong with them? Launchers
+/// other than Open MPI do not say which processes that are: then the first of the job is the one. True without a job.
+pub fn is_first_alike() -> bool {
+    is_first_alike_by(|name| env::var(name).ok())
+}
+
+fn is_first_alike_by(value: impl Fn(&str) -> Option<String>) -> bool {
+    let rank = RANK_VARIABLES.into_iter().find_map(&value).and_then(|rank| rank.trim().parse::<usize>().ok());
+    let (Some(rank), Some(parts)) = (rank, value(PARTS_VARIABLE)) else { return is_first_by(value) };
+    let mut first = 0;
+    rank == 0
+        || parts.split_whitespace().map_while(|count| count.parse::<usize>().ok()).any(|count| {
+            first += count;
+            first == rank
+        })
+}
+
 /// Where launchers store the number of processes that they started on this machine: Open MPI; MPICH, Intel MPI and others of
 /// its family; MVAPICH2.
 const LOCAL_VARIABLES: [&str; 3] =
@@ -75,6 +95,27 @@ mod tests {
         };
         assert!(is_first(None) && is_first(Some(("OMPI_COMM_WORLD_RANK", "0"))));
         assert!(!is_first(Some(("PMI_RANK", "3"))) && !is_first(Some(("PMIX_RANK", "10"))));
+    }
+
+    #[test]
+    fn the_first_process_with_the_same_arguments_is_known() {
+        let first = |parts: Option<&str>| -> Vec<bool> {
+            let of_rank = |rank: usize| {
+                is_first_alike_by(|name| match name {
+                    "OMPI_COMM_WORLD_RANK" => Some(rank.to_string()),
+                    PARTS_VARIABLE => parts.map(str::to_owned),
+                    _ => None,
+                })
+            };
+            (0..4).map(of_rank).collect()
+        };
+        assert_eq!(first(None), [true, false, false, false]);
+        assert_eq!(first(Some("4")), [true, false, false, false]);
+        assert_eq!(first(Some("1 3")), [true, true, false, false]);
+        assert_eq!(first(Some("2 1 1 ")), [true, false, true, true]);
+        assert_eq!(first(Some("nonsense")), [true, false, false, false]);
+        assert!(is_first_alike_by(|_| None));
+        assert!(!is_first_alike_by(|name| (name == "PMI_RANK").then(|| "2".into())));
     }
 
     #[test]

@@ -56,6 +56,6 @@ mod waiting;
 pub use comm::{MpiComm, Patience};
 #[cfg(feature = "mpi")]
 pub use job::{StartError, run};
-pub use launch::{is_first, local_processes, processes};
+pub use launch::{is_first, is_first_alike, local_processes, processes};
 pub use message::{write_error, write_line};
 pub use processors::own_processors;

@@ -119,6 +119,30 @@ fn rank_0_may_end_late() {
     passes("long-end");
 }
 
+#[test]
+fn a_silent_rank_is_noticed_and_waited_for() {
+    for ranks in [2, 3] {
+        let output = mpirun(ranks, "notice");
+        assert_eq!(text(&output.stdout), "passed\n", "{ranks} ranks: {}", text(&output.stderr));
+    }
+}
+
+/// 60 lines of each rank, at the same times.
+#[test]
+fn lines_of_ranks_do_not_mix() {
+    const RANKS: usize = 8;
+    let output = mpirun(RANKS, "lines");
+    assert_eq!(text(&output.stdout), "passed\n", "{}", text(&output.stderr));
+    let shown = text(&output.stderr);
+    let mut found: Vec<&str> = shown.lines().collect();
+    let mut expected: Vec<String> = (0..RANKS * 60)
+        .map(|n| format!("error: rank {}: line {} of {} is whole", n % RANKS, n / RANKS, n % RANKS))
+        .collect();
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert!(found == expected, "{shown}");
+}
+
 /// The example, as one process with some threads, or as a job.
 fn wave(ranks: usize, is_job: bool, folder: &Path) -> Vec<Vec<u8>> {
     let program = std::env::current_exe().expect("this program's path");

@@ -12,7 +12,7 @@ use tercio_parallel::{Communicator as _, ParallelError};
 /// A trial and its name.
 type Trial = (&'static str, fn(&mut MpiComm) -> Result<(), ParallelError>);
 
-const TRIALS: [Trial; 14] = [
+const TRIALS: [Trial; 16] = [
     ("order", trials::order),
     ("everybody-sends-first", trials::everybody_sends_first),
     ("parts", trials::parts),
@@ -25,6 +25,8 @@ const TRIALS: [Trial; 14] = [
     ("error", trials::error),
     ("panic", trials::panic),
     ("early-end", trials::early_end),
+    ("notice", trials::notice),
+    ("lines", trials::lines),
     ("silent-end", trials::silent_end),
     ("long-end", trials::long_end),
 ];

@@ -1,11 +1,13 @@
 //! The trials, each run by all ranks of a job.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use tercio_mpi::{MpiComm, Patience};
+use tercio_mpi::{MpiComm, Patience, write_error};
 use tercio_parallel::ParallelError;
 use tercio_parallel::comm::collective::all_sum;
-use tercio_parallel::comm::{Awaited, CommError, Communicator, Group, Traffic};
+use tercio_parallel::comm::{Awaited, CommError, Communicator, Group, RankNames, Traffic};
 
 type Outcome = Result<(), ParallelError>;
 
@@ -249,6 +251,55 @@ fn impatient(comm: &mut MpiComm) {
     let timeout = Some(Duration::from_millis(1200));
     comm.set_patience(Patience { timeout, ..Patience::default() });
 }
+
+/// Rank 0 is silent until the others have noticed it, twice: each of them once for each wait, and waits on.
+pub fn notice(comm: &mut MpiComm) -> Outcome {
+    const WAITS: usize = 2;
+    let (rank, size) = (comm.rank(), comm.size());
+    // All processes have mpirun as their parent.
+    let job = std::os::unix::process::parent_id();
+    let file = move |rank: usize, notices: usize| {
+        std::env::temp_dir().join(format!("tercio-notice-{job}-{rank}-{notices}"))
+    };
+    if rank == 0 {
+        for wait in 1..=WAITS {
+            let begin = Instant::now();
+            while !(1..size).all(|rank| file(rank, wait).exists()) {
+                assert!(begin.elapsed() < Duration::from_secs(120), "no notice");
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            (1..size).for_each(|rank| std::fs::remove_file(file(rank, wait)).expect("the file"));
+            (1..size).try_for_each(|to| comm.send(to, vec![7]))?;
+        }
+        return Ok(());
+    }
+    let noticed = Rc::new(RefCell::new(Vec::new()));
+    let by_notice = noticed.clone();
+    let notice = Box::new(move |names: &RankNames| {
+        by_notice.borrow_mut().push(names.to_string());
+        std::fs::write(file(rank, by_notice.borrow().len()), "").expect("a file");
+    });
+    comm.set_patience(Patience { silence: Duration::from_millis(50), notice, timeout: None });
+    for wait in 1..=WAITS {
+        assert_eq!(comm.receive(0)?, [7]);
+        assert_eq!(*noticed.borrow(), vec!["rank 0"; wait]);
+    }
+    // At the end of the job there may be another one.
+    comm.set_patience(Patience::default());
+    Ok(())
+}
+
+/// All ranks write many lines at once, some of which have several parts.
+pub fn lines(comm: &mut MpiComm) -> Outcome {
+    for line in 0..LINES {
+        comm.barrier()?;
+        write_error(comm.rank(), format_args!("line {line} of {} is whole", comm.rank()));
+    }
+    Ok(())
+}
+
+/// So many that all lines of a rank fit into a pipe's 4,096 bytes.
+pub const LINES: usize = 60;
 
 /// The last rank neither sends anything nor ends.
 pub fn silent_end(comm: &mut MpiComm) -> Outcome {

@@ -12,6 +12,9 @@ use crate::ParallelError;
 use crate::comm::{CommError, Communicator, children, parent};
 use crate::organisation::{Task, tile_edge};
 
+/// That of this build.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
 /// What ranks have to agree on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -48,7 +51,7 @@ impl Matter {
 impl fmt::Display for Matter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Version => "another version of tercio",
+            Self::Version => "with another version of tercio",
             Self::Organisation => "another organisation or number of ranks",
             Self::Size => "a picture of another size",
             Self::Models => "another model",
@@ -86,11 +89,16 @@ const NONE: u64 = u64::MAX;
 /// On rank 0 [`ParallelError::Differs`], if any rank's task is another one; the others wait until rank 0 is gone, and return
 /// that: so the error is reported once. [`ParallelError::Comm`].
 pub fn agree(comm: &mut impl Communicator, task: &Task) -> Result<(), ParallelError> {
+    agree_as(comm, task, VERSION)
+}
+
+/// The same as a program of some version.
+fn agree_as(comm: &mut impl Communicator, task: &Task, version: &str) -> Result<(), ParallelError> {
     if comm.size() == 1 {
         return Ok(());
     }
     let how = format!("{:?} {}", task.sharing, comm.size());
-    agree_on(comm, digest(task, comm.size(), how))
+    agree_on(comm, digest(task, comm.size(), how, version))
 }
 
 /// The same before the organisation is known: the ranks compare how they are going to choose it instead, which is no way to
@@ -103,7 +111,7 @@ pub fn agree_to_choose(comm: &mut impl Communicator, task: &Task, how: &str) -> 
         return Ok(());
     }
     let how = format!("{how} {}", comm.size());
-    agree_on(comm, digest(task, comm.size(), how))
+    agree_on(comm, digest(task, comm.size(), how, VERSION))
 }
 
 fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), ParallelError> {
@@ -142,18 +150,18 @@ fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
 /// it, so that one of another task is no part of this picture.
 pub fn frame_digest(task: &Task, ranks: usize) -> u64 {
     let parts = [Matter::Version, Matter::Organisation, Matter::Size, Matter::Camera, Matter::Settings];
-    let text = texts(task, ranks, format!("{:?} {ranks}", task.sharing));
+    let text = texts(task, ranks, format!("{:?} {ranks}", task.sharing), VERSION);
     checksum::of(parts.map(text).concat().as_bytes())
 }
 
 /// `how` is what is compared of the organisation.
-fn digest(task: &Task, ranks: usize, how: String) -> Digest {
-    let text = texts(task, ranks, how);
+fn digest(task: &Task, ranks: usize, how: String, version: &str) -> Digest {
+    let text = texts(task, ranks, how, version);
     Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
 }
 
 /// What ranks have to agree on, in words.
-fn texts(task: &Task, ranks: usize, how: String) -> impl Fn(Matter) -> String {
+fn texts(task: &Task, ranks: usize, how: String, version: &str) -> impl Fn(Matter) -> String {
     let Task { sharing, scene, camera, settings } = *task;
     let Settings { width, height, .. } = *settings;
     // What does not change the picture or the messages may differ.
@@ -170,7 +178,7 @@ fn texts(task: &Task, ranks: usize, how: String) -> impl Fn(Matter) -> String {
     };
     let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
     move |matter| match matter {
-        Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
+        Matter::Version => version.to_owned(),
         Matter::Organisation => how.clone(),
         Matter::Size => format!("{width} {height}"),
         Matter::Models => format!("{:?}", scene.instances.iter().map(model).collect::<Vec<_>>()),
@@ -232,6 +240,47 @@ mod tests {
                     assert_eq!((rank, reported), (first, Matter::ALL[what]), "{others:?} of {ranks}");
                 }
             }
+        }
+    }
+
+    /// One message, of rank 0: the others wait until it has ended.
+    #[test]
+    fn a_rank_of_another_version_is_reported_once() {
+        let mesh = tercio_mesh::builtin::make("builtin:sphere@100").expect("a model");
+        let partitioned = tercio_mesh::cluster::partition(mesh, &Default::default());
+        let scene = Scene::from_mesh(std::sync::Arc::new(partitioned));
+        let camera = tercio_scene::Framing::default().camera_for_scene(&scene);
+        let settings = Settings::new(40, 30);
+        let task = Task {
+            sharing: crate::Organisation::SortLast.into(),
+            scene: &scene,
+            camera: &camera,
+            settings: &settings,
+        };
+        for ranks in [2, 3, 9] {
+            let of_versions = |last: &str| {
+                let done = std::sync::Mutex::new(Vec::new());
+                let result = threads::run(ranks, |comm| {
+                    let version = if comm.rank() + 1 == ranks { last } else { VERSION };
+                    let agreed = agree_as(comm, &task, version);
+                    let found = agreed.as_ref().map_err(ToString::to_string).copied();
+                    done.lock().expect("no panic").push((comm.rank(), found));
+                    agreed
+                });
+                let mut done = done.into_inner().expect("no panic");
+                done.sort_unstable();
+                (result.map(|_| ()).map_err(|error| error.to_string()), done)
+            };
+            assert!(of_versions(VERSION).0.is_ok());
+            let (error, of_rank) = of_versions("0.0.7");
+            let last = ranks - 1;
+            let expected = format!(
+                "rank {last} would draw with another version of tercio than rank 0: all ranks have to draw the same frame"
+            );
+            assert_eq!(error, Err(expected.clone()));
+            let says = of_rank.iter().filter(|(_, found)| *found == Err(expected.clone()));
+            assert_eq!(says.map(|(rank, _)| *rank).collect::<Vec<_>>(), [0], "{of_rank:?}");
+            assert!(of_rank.iter().all(|(_, found)| found.is_err()), "a rank goes on to draw: {of_rank:?}");
         }
     }
 

@@ -1,6 +1,10 @@
 //! Any number of ranks gives the bytes of one renderer.
 
+mod common;
+
 use std::sync::Arc;
+
+use common::*;
 
 use glam::{DAffine3, DQuat, DVec3};
 use proptest::prelude::*;
@@ -9,93 +13,12 @@ use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::comm::Kind;
 use tercio_parallel::in_process::draw;
 use tercio_parallel::{
-    ClusterDivision, Composition, Division, Encoding, FrameReport, Organisation, RankReport, Ranks, Sharing,
+    ClusterDivision, Composition, Division, Encoding, Organisation, RankReport, Ranks, Sharing,
 };
 use tercio_raster::{
-    Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
-    Sorting,
+    Cull, Filter, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, Sorting,
 };
 use tercio_scene::{Camera, Instance, Projection, Scene};
-
-const EVERYTHING: Outputs = Outputs::ALL;
-/// With groups that leave a smaller one.
-const ALL: [Organisation; 5] = [
-    Organisation::SortFirst,
-    Organisation::SortMiddle,
-    Organisation::SortLast,
-    Organisation::SortTwice { group: 2 },
-    Organisation::SortTwice { group: 3 },
-];
-
-fn scene(model: &str, most_triangles: usize) -> Scene {
-    let mesh = builtin::make(model).expect("a model");
-    let options = PartitionOptions { max_triangles: most_triangles, ..PartitionOptions::default() };
-    Scene::from_mesh(Arc::new(partition(mesh, &options)))
-}
-
-/// The same scene with a second instance, rotated, mirrored, smaller, in the middle of the first.
-fn with_second_instance(mut scene: Scene) -> Scene {
-    let place = scene.bounds().center();
-    let (scale, turn) = (DVec3::new(0.5, -0.4, 0.6), DQuat::from_rotation_y(1.0));
-    let turned = DAffine3::from_scale_rotation_translation(scale, turn, place * 0.7);
-    let second = Instance { world_from_object: turned, ..scene.instances[0].clone() };
-    scene.instances.push(second);
-    scene
-}
-
-/// A camera at this many radii from the centre; below 1 the near plane cuts the model.
-fn camera(scene: &Scene, radii: f64, orthographic: bool) -> Camera {
-    let bounds = scene.bounds();
-    let eye = bounds.center() + DVec3::new(0.3, 0.4, 0.9).normalize() * bounds.radius() * radii;
-    let projection = if orthographic {
-        Projection::Orthographic { height: bounds.radius() * 1.4 }
-    } else {
-        Projection::Perspective { fov_y: 0.8 }
-    };
-    Camera {
-        eye,
-        target: bounds.center() + DVec3::X * 1e-3,
-        up: DVec3::Y,
-        projection,
-        near: None,
-        shift: [0.0; 2],
-    }
-}
-
-#[track_caller]
-fn assert_same(expected: &Frame, found: &Frame, what: &str) {
-    if let Some(difference) = found.difference(expected) {
-        panic!("{what}: {difference}");
-    }
-}
-
-/// Draws with ranks and expects one renderer's bytes.
-fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what: &str) -> FrameReport {
-    let expected = Renderer::new().render(scene, camera, settings).expect("a picture");
-    check_against(&expected, scene, camera, settings, ranks, what)
-}
-
-/// Draws with ranks and expects these bytes.
-fn check_against(
-    expected: &Frame,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    ranks: Ranks,
-    what: &str,
-) -> FrameReport {
-    let (found, report) = draw(ranks, scene, camera, settings).expect("a picture");
-    let what = format!("{what}, {ranks:?}, {}x{}", settings.width, settings.height);
-    assert_same(expected, &found, &what);
-    assert_eq!(report.pixels_visible(), expected.stats.backend.pixels_visible, "{what}");
-    assert_eq!(found.stats.backend.pixels_visible, report.pixels_visible());
-    let taken = |of: fn(&tercio_parallel::comm::Traffic) -> u64| -> u64 {
-        report.ranks.iter().map(|r| of(&r.traffic)).sum()
-    };
-    assert_eq!((taken(|t| t.taken_messages), taken(|t| t.taken_bytes)), (report.messages, report.bytes));
-    assert!(ranks.count > 1 || report.messages == 0, "{what}: one rank sends messages to itself");
-    report
-}
 
 /// Ranks send fragments, or pixels that were made from them.
 #[test]
@@ -360,28 +283,6 @@ fn every_division_and_composition() {
             }
         }
     }
-}
-
-/// More ranks than clusters and tiles, and more than a machine has processors.
-#[test]
-fn a_thousand_ranks() {
-    let scene = with_second_instance(scene("builtin:gyroid@4k", 4));
-    let camera = camera(&scene, 2.0, false);
-    let settings = Settings { tile_size: Some(8), ..Settings::one_sample(160, 120) };
-    for organisation in [
-        Organisation::SortFirst,
-        Organisation::SortMiddle,
-        Organisation::SortLast,
-        Organisation::SortTwice { group: 32 },
-    ] {
-        let ranks = Ranks { count: 1024, threads: 1, sharing: organisation.into() };
-        check(&scene, &camera, &settings, ranks, "a thousand ranks");
-    }
-    let composition = Composition::radix_k(8);
-    let sharing = Sharing { composition, ..Organisation::SortLast.into() };
-    check(&scene, &camera, &settings, Ranks { count: 1024, threads: 1, sharing }, "a thousand ranks");
-    let samples = Settings { sampling: Sampling::of(SamplePattern::Sparse2), ..settings };
-    check(&scene, &camera, &samples, Ranks { count: 200, threads: 1, sharing }, "samples of many ranks");
 }
 
 #[test]

@@ -130,19 +130,15 @@ impl Own {
 impl Others {
     /// Reads what the owner of some tiles replied: of each the rank in front, and the bounds of its blocks; `None` if that cannot be.
     fn read(&mut self, shared: &Shared, tiles: &[u32], message: &[u8]) -> Option<()> {
-        let mut rest = message;
+        let mut unread = Unread(message);
         for tile in tiles {
             let at = self.bounds.tiles().binary_search(tile).ok()?;
-            let bounds = self.bounds.of_mut(*tile)?;
-            let (head, body) = rest.split_at_checked(size_of::<u32>())?;
-            let (halves, behind) = body.split_at_checked(bounds.len() * BYTES)?;
-            let front = pod_read_unaligned::<u32>(head) as usize;
+            let front = pod_read_unaligned::<u32>(unread.take(size_of::<u32>())?) as usize;
             let is_there = shared.ranks.binary_search(&front).is_ok();
             self.fronts[at] = (is_there && shared.touched.is_touched(front, *tile)).then_some(front)?;
-            read_tile(halves, bounds)?;
-            rest = behind;
+            unread.bounds(self.bounds.of_mut(*tile)?)?;
         }
-        rest.is_empty().then_some(())
+        unread.end()
     }
 }
 
@@ -218,22 +214,36 @@ pub fn get(half: &[u8]) -> f32 {
 
 /// Reads the bounds of all tiles; `None` if they are not as many, or not valid.
 fn read(message: &[u8], bounds: &mut DepthBounds) -> Option<()> {
-    let mut rest = message;
-    for (_, of) in bounds.tiles_mut() {
-        let (halves, behind) = rest.split_at_checked(of.len() * BYTES)?;
-        read_tile(halves, of)?;
-        rest = behind;
-    }
-    rest.is_empty().then_some(())
+    let mut unread = Unread(message);
+    bounds.tiles_mut().try_for_each(|(_, of)| unread.bounds(of))?;
+    unread.end()
 }
 
-/// Reads the bounds of a tile; `None` if any is not valid.
-fn read_tile(halves: &[u8], bounds: &mut [f32]) -> Option<()> {
-    for (to, half) in bounds.iter_mut().zip(halves.chunks_exact(BYTES)) {
-        let depth = get(half);
-        *to = (depth.is_finite() && depth >= 0.0).then_some(depth)?;
+/// What is left to read of a message.
+struct Unread<'a>(&'a [u8]);
+
+impl<'a> Unread<'a> {
+    /// The next bytes; `None` if there are not so many.
+    fn take(&mut self, bytes: usize) -> Option<&'a [u8]> {
+        let (taken, rest) = self.0.split_at_checked(bytes)?;
+        self.0 = rest;
+        Some(taken)
     }
-    Some(())
+
+    /// The bounds of a tile; `None` if there are not so many, or any is not valid.
+    fn bounds(&mut self, bounds: &mut [f32]) -> Option<()> {
+        let halves = self.take(bounds.len() * BYTES)?;
+        for (to, half) in bounds.iter_mut().zip(halves.chunks_exact(BYTES)) {
+            let depth = get(half);
+            *to = (depth.is_finite() && depth >= 0.0).then_some(depth)?;
+        }
+        Some(())
+    }
+
+    /// `None` if something is left.
+    fn end(self) -> Option<()> {
+        self.0.is_empty().then_some(())
+    }
 }
 
 #[cfg(test)]

@@ -219,27 +219,85 @@ mod tests {
         }
     }
 
-    /// Messages and tiles sent by all of 2^k ranks that each touch everything, against the formulas of the literature.
+    #[test]
+    fn all_parts_of_a_tile_reach_one_of_many_ranks() {
+        for count in [257u64, 1023] {
+            // Each has a quarter of the tiles, some nothing.
+            let bits = |rank: u64| {
+                rank.wrapping_mul(0x9e37_79b9_7f4a_7c15) & rank.wrapping_mul(0xd1b5_4a32_d192_ed03)
+            };
+            let touched = touched(&(0..count).map(bits).collect::<Vec<_>>());
+            let tiles = touched.shared();
+            let ranks = touched.ranks_of_any(&tiles);
+            assert!(ranks.len() as u64 + 1 >= count, "{} of {count}", ranks.len());
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            for composition in Composition::ALL {
+                play(composition, &shared);
+            }
+        }
+    }
+
+    /// Messages and tiles sent by all of so many ranks that each touch everything.
+    fn sent(composition: Composition, count: usize) -> (usize, usize) {
+        let touched = touched(&vec![u64::MAX; count]);
+        let (tiles, ranks): (Vec<u32>, Vec<usize>) = (touched.shared(), (0..count).collect());
+        let messages = play(composition, &Shared { tiles: &tiles, ranks: &ranks, touched: &touched });
+        (messages.len(), messages.iter().map(|(_, _, tiles)| tiles.len()).sum::<usize>())
+    }
+
+    /// Against the formulas of the literature: whatever the strategy, n pictures become one by sending n - 1 of them.
     #[test]
     fn messages_and_bytes_are_those_of_the_formulas() {
-        for k in 1..6 {
-            let count = 1usize << k;
-            let touched = touched(&vec![u64::MAX; count]);
-            let (tiles, ranks): (Vec<u32>, Vec<usize>) = (touched.shared(), (0..count).collect());
-            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
-            let sent = |composition| {
-                let messages = play(composition, &shared);
-                (messages.len(), messages.iter().map(|(_, _, tiles)| tiles.len()).sum::<usize>())
-            };
-            // Every rank sends (1 - 1/n) of the picture, in n - 1 messages, or in log2 n.
-            assert_eq!(sent(Composition::DirectSend), (count * (count - 1), 64 * (count - 1)));
-            assert_eq!(sent(Composition::BinarySwap), (count * k, 64 * (count - 1)));
-            assert_eq!(sent(Composition::radix_k(2)), sent(Composition::BinarySwap));
-            assert_eq!(sent(Composition::TwoThreeSwap), sent(Composition::BinarySwap));
-            assert_eq!(sent(Composition::radix_k(32)), sent(Composition::DirectSend));
+        for count in 2usize..=64 {
+            let pictures = 64 * (count - 1);
+            // Every rank sends (1 - 1/n) of the picture, in n - 1 messages.
+            let direct = (count * (count - 1), pictures);
+            assert_eq!(sent(Composition::DirectSend, count), direct, "{count}");
+            assert_eq!(sent(Composition::radix_k(64), count), direct, "{count}");
+            // In log2 n messages; of 2^k + e ranks, e send all that they have before.
+            let k = count.ilog2() as usize;
+            let swap = ((1 << k) * k + count - (1 << k), pictures);
+            assert_eq!(sent(Composition::BinarySwap, count), swap, "{count}");
             // The whole picture, n - 1 times.
-            assert_eq!(sent(Composition::Tree), (count - 1, 64 * (count - 1)));
-            assert_eq!(sent(Composition::Ring), (count - 1, 64 * (count - 1)));
+            assert_eq!(sent(Composition::Tree, count), (count - 1, pictures), "{count}");
+            assert_eq!(sent(Composition::Ring, count), (count - 1, pictures), "{count}");
+            if count.is_power_of_two() {
+                assert_eq!(sent(Composition::radix_k(2), count), swap, "{count}");
+                assert_eq!(sent(Composition::TwoThreeSwap, count), swap, "{count}");
+            }
+        }
+    }
+
+    /// Radix-k: n ranks as groups of k1, k2, ... send the sum of k - 1 messages each.
+    #[test]
+    fn messages_and_bytes_of_radix_k_are_those_of_the_formula() {
+        let cases: [(u32, usize, &[usize]); 21] = [
+            (3, 3, &[3]),
+            (3, 6, &[3, 2]),
+            (3, 8, &[2, 2, 2]),
+            (3, 9, &[3, 3]),
+            (3, 15, &[3, 5]),
+            (3, 27, &[3, 3, 3]),
+            (3, 54, &[3, 3, 3, 2]),
+            (4, 7, &[7]),
+            (4, 8, &[4, 2]),
+            (4, 12, &[4, 3]),
+            (4, 16, &[4, 4]),
+            (4, 24, &[4, 3, 2]),
+            (4, 44, &[4, 11]),
+            (4, 64, &[4, 4, 4]),
+            (8, 8, &[8]),
+            (8, 12, &[6, 2]),
+            (8, 31, &[31]),
+            (8, 32, &[8, 4]),
+            (8, 35, &[7, 5]),
+            (8, 48, &[8, 6]),
+            (8, 64, &[8, 8]),
+        ];
+        for (radix, count, groups) in cases {
+            let of_rank: usize = groups.iter().map(|k| k - 1).sum();
+            let expected = (count * of_rank, 64 * (count - 1));
+            assert_eq!(sent(Composition::radix_k(radix), count), expected, "radix {radix}, {count} ranks");
         }
     }
 

@@ -1,0 +1,4 @@
+//! What the renderer and its ranks count, against the documents' formulas.
+
+mod overlap;
+mod ring;
