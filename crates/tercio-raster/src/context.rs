@@ -9,9 +9,9 @@ use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 use crate::cluster_set::ClusterSet;
 use crate::conventions::{MAX_CLUSTERS, MAX_NUMBERS, SUBPIXELS};
 use crate::data::{DataTable, check_data};
-use crate::depth_bounds::DepthBounds;
+use crate::depth_bounds::{DepthBounds, blocks_across};
 use crate::error::RenderError;
-use crate::frame::{FragmentLayout, NO_PRIMITIVE, Outputs};
+use crate::frame::{FragmentLayout, FragmentMerger, NO_PRIMITIVE, Outputs};
 use crate::lighting::LightRig;
 use crate::sampling::{FilterWeights, SampleCells, SampleCenters, SampleShading};
 use crate::screen::{PixelRect, TileGrid};
@@ -288,6 +288,15 @@ impl<'a> FrameContext<'a> {
     /// What the fragments of a frame with these planes have.
     pub fn fragment_layout(&self, outputs: &Outputs) -> FragmentLayout {
         FragmentLayout::new(outputs, self.is_wide)
+    }
+
+    /// What merges the fragments of a frame with these planes.
+    pub fn fragment_merger(&self, outputs: &Outputs) -> FragmentMerger {
+        FragmentMerger {
+            layout: self.fragment_layout(outputs),
+            stride_bits: self.grid.needed_bits(),
+            blocks_across: blocks_across(&self.grid),
+        }
     }
 
     /// The number of the first primitive of a cluster's instance, and the cluster, which has the numbers of its triangles

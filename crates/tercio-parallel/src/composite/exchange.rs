@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use bytemuck::pod_read_unaligned;
 use tercio_mesh::loops::prelude::*;
 use tercio_raster::Outputs;
+use tercio_raster::frame::FragmentMerger;
 
 use super::packet::{self, Merged, PacketError};
 use super::strategy::{Composition, Shared};
@@ -32,23 +33,37 @@ pub enum Content {
         width: u32,
     },
     /// Fragments.
-    Fragments,
+    Fragments(FragmentMerger),
 }
 
 impl Content {
-    /// Adds another rank's part of a tile.
-    fn merge(&self, own: &mut Vec<u8>, theirs: &[u8]) -> Result<Merged, PacketError> {
+    /// Adds other ranks' parts of a tile to its own; `is_owned` if this rank does not hand them on. It decides then what is seen of
+    /// fragments when it makes pixels of them: until then they are only listed.
+    fn merge(&self, tile: &mut Incoming, is_owned: bool) -> Result<Merged, ParallelError> {
+        let Incoming { tile, own, theirs } = tile;
+        let mut sum = Merged::default();
         match self {
-            Self::Fragments => {
-                own.extend_from_slice(theirs);
-                Ok(Merged::default())
+            Self::Fragments(merger) if !is_owned => {
+                let own_and_theirs = [&own[..]].into_iter().chain(theirs.iter().map(|(_, bytes)| *bytes));
+                let parts: Vec<&[u8]> = own_and_theirs.filter(|part| !part.is_empty()).collect();
+                let mut merged = Vec::with_capacity(parts.iter().map(|part| part.len()).sum());
+                match parts[..] {
+                    [only] => merged.extend_from_slice(only),
+                    _ => merger.merge(*tile, &parts, &mut merged)?,
+                }
+                *own = merged;
             }
+            Self::Fragments(_) => theirs.iter().for_each(|(_, bytes)| own.extend_from_slice(bytes)),
             Self::Pixels { planes, width } => {
-                let (both, merged) = packet::merge(own, theirs, planes, *width)?;
-                *own = both;
-                Ok(merged)
+                for &(from, bytes) in &*theirs {
+                    let merged = packet::merge(own, bytes, planes, *width);
+                    let (both, of) = merged.map_err(|source| ParallelError::Packet { from, source })?;
+                    *own = both;
+                    sum = Merged { pixels: sum.pixels + of.pixels, won: sum.won + of.won };
+                }
             }
         }
+        Ok(sum)
     }
 }
 
@@ -66,6 +81,8 @@ pub fn exchange(
     report: &mut RankReport,
 ) -> Result<Parts, ParallelError> {
     let Ok(place) = shared.ranks.binary_search(&comm.rank()) else { return Ok(parts) };
+    let owners = composition.owners(shared);
+    let is_owned = |tile: u32| shared.tiles.binary_search(&tile).is_ok_and(|at| owners[at] == place);
     let stages = &mut report.stages;
     let mut last_sender = comm.rank();
     for round in composition.rounds(shared, place) {
@@ -75,7 +92,7 @@ pub fn exchange(
             let sent = stages.compose.time(|| put_all(&tiles, &mut parts, content, &mut message));
             report.pixels.sent +=
                 sent.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
-            if matches!(content, Content::Fragments) {
+            if matches!(content, Content::Fragments(_)) {
                 report.pixels.fragment_bytes += message.len() as u64;
             }
             comm.send(to, message)?;
@@ -85,15 +102,14 @@ pub fn exchange(
             let from = shared.ranks[from];
             messages.push((from, stages.wait.time(|| comm.receive(from))?));
         }
-        let merged = stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, content))?;
+        let merged =
+            stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, is_owned, content))?;
         report.pixels.compared += merged.pixels;
         report.pixels.won += merged.won;
         messages.iter().for_each(|(from, _)| last_sender = *from);
         messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
     }
-    let owners = composition.owners(shared);
-    let is_owned = |tile: &u32| shared.tiles.binary_search(tile).is_ok_and(|at| owners[at] == place);
-    match parts.keys().find(|tile| !is_owned(tile)) {
+    match parts.keys().find(|tile| !is_owned(**tile)) {
         Some(&tile) => Err(ParallelError::Packet { from: last_sender, source: PacketError::Tile { tile } }),
         None => Ok(parts),
     }
@@ -117,13 +133,18 @@ fn put_all(
 }
 
 /// A tile, its content, and that of other ranks.
-type Incoming<'a> = (u32, Vec<u8>, Vec<(usize, &'a [u8])>);
+struct Incoming<'a> {
+    tile: u32,
+    own: Vec<u8>,
+    theirs: Vec<(usize, &'a [u8])>,
+}
 
 /// Merges the tiles of messages into those that this rank has.
 fn take_in(
     parts: &mut Parts,
     messages: &[(usize, Vec<u8>)],
     tiles: &[u32],
+    is_owned: impl Fn(u32) -> bool + Sync,
     content: Content,
 ) -> Result<Merged, ParallelError> {
     let mut incoming: BTreeMap<u32, Vec<(usize, &[u8])>> = BTreeMap::new();
@@ -138,19 +159,11 @@ fn take_in(
     }
     let mut work: Vec<Incoming> = Vec::new();
     for (tile, theirs) in incoming {
-        work.push((tile, parts.remove(&tile).unwrap_or_default(), theirs));
+        work.push(Incoming { tile, own: parts.remove(&tile).unwrap_or_default(), theirs });
     }
-    let merge = |(_, own, theirs): &mut Incoming| {
-        let mut sum = Merged::default();
-        for &(from, bytes) in &*theirs {
-            let merged =
-                content.merge(own, bytes).map_err(|source| ParallelError::Packet { from, source })?;
-            sum = Merged { pixels: sum.pixels + merged.pixels, won: sum.won + merged.won };
-        }
-        Ok(sum)
-    };
+    let merge = |tile: &mut Incoming| content.merge(tile, is_owned(tile.tile));
     let merged: Result<Vec<Merged>, ParallelError> = work.par_iter_mut().with_max_len(1).map(merge).collect();
-    parts.extend(work.into_iter().map(|(tile, own, _)| (tile, own)));
+    parts.extend(work.into_iter().map(|Incoming { tile, own, .. }| (tile, own)));
     let add = |a: Merged, b: Merged| Merged { pixels: a.pixels + b.pixels, won: a.won + b.won };
     Ok(merged?.into_iter().fold(Merged::default(), add))
 }
@@ -201,8 +214,9 @@ mod tests {
     fn tiles_that_nobody_sends_are_refused() {
         let mut message = Vec::new();
         put(4, &[1], &mut message);
+        let content = Content::Fragments(FragmentMerger::default());
         let take =
-            |tiles: &[u32]| take_in(&mut Parts::new(), &[(2, message.clone())], tiles, Content::Fragments);
+            |tiles: &[u32]| take_in(&mut Parts::new(), &[(2, message.clone())], tiles, |_| true, content);
         assert!(take(&[4]).is_ok());
         let error = take(&[3, 5]).unwrap_err().to_string();
         assert!(error.contains("rank 2") && error.contains("tile 4"), "{error}");

@@ -316,6 +316,7 @@ fn composite_fragments(
 ) -> Result<Composited, ParallelError> {
     let settings = Settings { keep_fragments: true, ..context.settings.clone() };
     let mut drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
+    let content = Content::Fragments(drawing.fragment_merger(&drawing.settings.outputs));
     let finishes_blocks = others.is_some();
     let (rank, composition) = (comm.rank(), task.sharing.composition);
     let mut owners = Vec::new();
@@ -348,7 +349,7 @@ fn composite_fragments(
         let has_fragments = drawn.into_iter().filter(|of_tile| !of_tile.bytes.is_empty());
         let parts = has_fragments.map(|TileFragments { tile, bytes, .. }| (tile, bytes)).collect();
         comm.begin(Kind::Fragments);
-        let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, report)?;
+        let merged = exchange(comm, composition, &of_round, parts, content, report)?;
         let of_tiles: Vec<usize> =
             composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();
         let owned: Vec<FragmentsOfTile> = tiles

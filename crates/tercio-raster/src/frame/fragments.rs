@@ -12,8 +12,15 @@
 //! finish blocks of pixels instead, in which no fragment of the others can be visible. If others may have hidden fragments in such blocks, the
 //! owner of the tile has to discard these: a run of consecutive blocks is recorded among the fragments as a head with an empty mask,
 //! whose place is the number of the first block, and whose primitive is the length of the run.
+//!
+//! Ranks that hand on what others have sent merge it first ([`FragmentMerger`]).
+
+mod merge;
 
 use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
+
+pub use merge::FragmentMerger;
+pub(crate) use merge::write_finished;
 
 use super::Outputs;
 
@@ -222,6 +229,12 @@ impl<'a> TileFragment<'a> {
         }
         let (depths, rest) = rest.split_at_checked(head.mask.count_ones() as usize * size_of::<f32>())?;
         Some((Self { head, primitive, normal, face, depths }, rest))
+    }
+
+    /// Does it hide what is behind it? Surfaces that may not be opaque may have fragments that are.
+    #[inline(always)]
+    pub fn is_opaque(&self) -> bool {
+        self.head.color[3] == 1.0
     }
 
     /// The samples of its mask, and its depth at each.

@@ -4,7 +4,9 @@ pub mod fragments;
 mod planes;
 mod shared;
 
-pub use fragments::{FinishedPart, FragmentError, FragmentLayout, FragmentsOfTile, TileFragments};
+pub use fragments::{
+    FinishedPart, FragmentError, FragmentLayout, FragmentMerger, FragmentsOfTile, TileFragments,
+};
 pub use planes::{Canvas, CanvasTile, Outputs, Pixel, Planes};
 
 use crate::stats::FrameStats;

@@ -34,6 +34,11 @@ impl TileGrid {
         Self { first_row, rows: rows.end.div_ceil(1 << self.shift) - first_row, ..self }
     }
 
+    /// log2 of the distance of two rows of the pixels that a tile needs, where these are counted or stored.
+    pub fn needed_bits(&self) -> u32 {
+        ((1 << self.shift) + 2 * self.halo).next_power_of_two().trailing_zeros()
+    }
+
     /// The number of a tile, from its column and its row in the picture. Precondition: it is in the grid.
     #[inline(always)]
     pub fn number(&self, column: u32, row: u32) -> u32 {

@@ -7,7 +7,7 @@ use super::memory::SampleMemory;
 use crate::context::FrameContext;
 use crate::depth_bounds::{BLOCK_BITS, blocks_across};
 use crate::frame::Outputs;
-use crate::frame::fragments::FragmentHead;
+use crate::frame::fragments::{FragmentHead, write_finished};
 use crate::screen::PixelRect;
 use crate::simd::part;
 
@@ -60,9 +60,7 @@ impl FinishedBlocks {
         let mut first = 0;
         while let Some(begin) = (first..hides.len()).find(|&number| is_run(number)) {
             first = (begin..hides.len()).find(|&number| !is_run(number)).unwrap_or(hides.len());
-            let end = out.len() + layout.bytes(0);
-            out.extend_from_slice(bytemuck::bytes_of(&blocks_head(begin, first - begin)));
-            out.resize(end, 0);
+            write_finished(layout, begin, first - begin, out);
         }
         hides
     }
@@ -88,12 +86,7 @@ impl FinishedBlocks {
     }
 }
 
-/// The record of a run of finished blocks among the fragments: see [`crate::frame::fragments`].
-fn blocks_head(first: usize, count: usize) -> FragmentHead {
-    FragmentHead { primitive: count as u32, place: first as u16, mask: 0, color: [0.0; 4] }
-}
-
-/// The numbers of the blocks of such a record; `None` if the tile does not have them.
+/// The numbers of the blocks of a record of finished blocks ([`crate::frame::fragments`]); `None` if the tile does not have them.
 pub fn blocks_of(context: &FrameContext, head: &FragmentHead) -> Option<std::ops::Range<usize>> {
     let first = usize::from(head.place);
     let end = first.checked_add(usize::try_from(head.primitive).ok()?)?;

@@ -163,13 +163,13 @@ impl SampleMemory {
             let mut at = 0;
             while at < bytes.len() {
                 let (fragment, behind) = read(part, at)?;
-                let FragmentHead { place, mask, color, .. } = fragment.head;
+                let FragmentHead { place, mask, .. } = fragment.head;
                 if mask == 0 {
                     let known = blocks_of(context, &fragment.head).filter(|_| !context.is_translucent());
                     finished.push(known.ok_or(FragmentError::Blocks { tile, at, first: place })?);
                 } else if !self.has_samples(place, mask) {
                     return Err(FragmentError::Place { tile, at, place, mask });
-                } else if color[3] == 1.0 {
+                } else if fragment.is_opaque() {
                     self.add(outputs, &fragment);
                 } else if context.is_translucent() {
                     layers.push((part, at));

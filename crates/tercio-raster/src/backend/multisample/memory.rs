@@ -64,7 +64,7 @@ impl SampleMemory {
         let halo = context.grid.halo;
         self.own = context.grid.rect(tile, size);
         self.rect = self.own.grow(halo as i32).intersect(context.picture());
-        self.stride_bits = ((1 << context.grid.shift) + 2 * halo).next_power_of_two().trailing_zeros();
+        self.stride_bits = context.grid.needed_bits();
         let cells = &context.cells;
         self.count_bits = cells.count_bits();
         // The fragments of `write` are numbered for two samples and more.
