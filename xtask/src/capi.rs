@@ -17,6 +17,9 @@ pub struct Arguments {
     /// Sessions of several processes: needs an MPI installation (mpicc) and libclang
     #[arg(long)]
     mpi: bool,
+    /// Install the libraries in this folder, instead of building them
+    #[arg(long, value_name = "FOLDER")]
+    built: Option<PathBuf>,
 }
 
 /// The name by which programs find the shared library when they start: its number changes with what programs have to be compiled for
@@ -32,16 +35,24 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if arguments.mpi {
         packages::check_mpi()?;
     }
-    let features = if arguments.mpi { "library,mpi" } else { "library" };
-    let package = ["rustc", "--release", "--package", "tercio-capi", "--example", "tercio", "--features"];
-    let soname = format!("link-arg=-Wl,-soname,{SONAME}");
-    run_command(cargo().args(package).args([features, "--", "-C", &soname]))?;
-    let built = target_folder()?.join("release/examples");
+    let built = match &arguments.built {
+        Some(folder) => folder.clone(),
+        None => build(arguments.mpi)?,
+    };
     let prefix = std::path::absolute(&arguments.prefix)?;
     for path in install(&prefix, &built, arguments.mpi)? {
         println!("{}", path.display());
     }
     Ok(())
+}
+
+/// Builds the libraries; returns the folder that they are in.
+fn build(mpi: bool) -> Result<PathBuf> {
+    let features = if mpi { "library,mpi" } else { "library" };
+    let package = ["rustc", "--release", "--package", "tercio-capi", "--example", "tercio", "--features"];
+    let soname = format!("link-arg=-Wl,-soname,{SONAME}");
+    run_command(cargo().args(package).args([features, "--", "-C", &soname]))?;
+    Ok(target_folder()?.join("release/examples"))
 }
 
 /// Copies what was built; returns what is there then.

@@ -34,6 +34,11 @@ pub const TESTS: &[Need] = &[
         is_there: || find_program("mpicc").is_some(),
     },
     Need { package: "libclang-dev", purpose: "the bindings of MPI", is_there: has_libclang },
+    Need {
+        package: "pkg-config",
+        purpose: "linking C programs with the installed libraries",
+        is_there: || find_program("pkg-config").is_some(),
+    },
 ];
 
 /// Whether ranks over MPI can be built and started.

@@ -1,5 +1,6 @@
 //! C programs over MPI: compiled here, and linked with what `cargo xtask capi` installs.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -9,6 +10,7 @@ use tercio::mesh::color::srgb_to_linear;
 use tercio::raster::sampling::{SamplePattern, Sampling};
 use tercio::scene::{Background, Projection, UpAxis};
 use tercio::{Camera, Framing, Picture, Session, Settings};
+use tercio_testkit::data::on_ci;
 use tercio_testkit::workspace_root;
 
 /// Seconds after which a job is considered to hang.
@@ -123,28 +125,87 @@ fn c_programs_get_the_pictures_of_rust() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = compile("tests/c/check.c", folder.path(), false);
     let pixels = expected(folder.path());
-    let at = |name: &str| folder.path().join(name);
-    let where_to = folder.path().to_str().expect("a path").to_owned();
+    let other = folder.path().join("other");
+    std::fs::create_dir(&other).expect("a folder");
     let jobs = [
-        (0, "sort-last"),
-        (1, "sort-last"),
-        (2, "sort-last"),
-        (3, "sort-last"),
-        (2, "sort-middle"),
-        (3, "sort-first"),
-        (3, "sort-twice"),
+        ("alone", 0, "sort-last"),
+        ("mpi", 1, "sort-last"),
+        ("mpi", 2, "sort-last"),
+        ("mpi", 3, "sort-last"),
+        ("mpi", 2, "sort-middle"),
+        ("mpi", 3, "sort-first"),
+        ("mpi", 3, "sort-twice"),
+        // Two communicators of a part of the processes each.
+        ("split", 5, "sort-last"),
+        ("split", 4, "sort-middle"),
+        ("split", 2, "sort-first"),
     ];
-    for (processes, organisation) in jobs {
-        let how = if processes == 0 { "alone" } else { "mpi" };
-        run(&program, processes, &[how, organisation, &where_to]);
-        for name in ["first.png", "second.png"] {
-            let [found, expected] = [name.to_owned(), format!("expected-{name}")]
-                .map(|name| std::fs::read(at(&name)).expect("a file"));
-            assert!(found == expected, "{name} of {processes} processes, {organisation}");
-            std::fs::remove_file(at(name)).expect("the file");
+    for (how, processes, organisation) in jobs {
+        run(&program, processes, &[how, organisation, folder.path().to_str().expect("a path")]);
+        let what = format!("{processes} processes, {how}, {organisation}");
+        for place in [folder.path(), &other].into_iter().take(1 + usize::from(how == "split")) {
+            for name in ["first.png", "second.png"] {
+                let found = std::fs::read(place.join(name)).expect("a picture");
+                let expected = std::fs::read(folder.path().join(format!("expected-{name}"))).expect("a file");
+                assert!(found == expected, "{name} in {}, {what}", place.display());
+                std::fs::remove_file(place.join(name)).expect("the file");
+            }
+            let raw = std::fs::read(place.join("second.raw")).expect("pixels");
+            assert!(raw == pixels.as_flattened(), "pixels in {}, {what}", place.display());
+            std::fs::remove_file(place.join("second.raw")).expect("the file");
         }
-        let raw = std::fs::read(at("second.raw")).expect("pixels");
-        assert!(raw == pixels.as_flattened(), "pixels of {processes} processes, {organisation}");
+    }
+}
+
+/// What `pkg-config` says is needed to compile and to link with what is installed in a folder.
+fn pkg_config(prefix: &Path, options: &[&str]) -> Vec<String> {
+    let mut command = Command::new("pkg-config");
+    command.env("PKG_CONFIG_PATH", prefix.join("lib/pkgconfig")).args(options).arg("tercio");
+    let output = command.output().expect("pkg-config starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).expect("text");
+    text.split_whitespace().map(str::to_owned).collect()
+}
+
+/// With the libraries as `cargo xtask capi` installs them: the shared one, then the archive alone.
+#[test]
+fn c_programs_link_with_what_pkg_config_says() {
+    if Command::new("pkg-config").arg("--version").output().is_err() {
+        assert!(!on_ci(), "pkg-config is absent, and on CI it has to be there");
+        // Not `eprintln!`: the test harness captures that if the test passes.
+        let _ =
+            writeln!(std::io::stderr(), "skipped: c_programs_link_with_what_pkg_config_says: no pkg-config");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let prefix = folder.path().join("prefix");
+    let mut install = Command::new(env!("CARGO"));
+    install.current_dir(workspace_root()).args(["xtask", "capi", "--mpi", "--prefix"]).arg(&prefix);
+    let output = install.arg("--built").arg(libraries()).output().expect("cargo starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(pkg_config(&prefix, &["--modversion"]), [env!("CARGO_PKG_VERSION")]);
+    let pixels = expected(folder.path());
+    for options in [&["--cflags", "--libs"][..], &["--static", "--cflags", "--libs"]] {
+        let is_static = options.contains(&"--static");
+        if is_static {
+            for name in ["libtercio.so", "libtercio.so.0"] {
+                std::fs::remove_file(prefix.join("lib").join(name)).expect("the library");
+            }
+        }
+        let program = folder.path().join("check");
+        let mut cc = Command::new("mpicc");
+        cc.args(["-std=c11", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror", "-o"]).arg(&program);
+        cc.arg(workspace_root().join("crates/tercio-capi/tests/c/check.c"))
+            .args(pkg_config(&prefix, options));
+        let output = cc.output().expect("mpicc starts");
+        assert!(output.status.success(), "{options:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let mut check = Command::new(&program);
+        check.args(["alone", "sort-last"]).arg(folder.path());
+        let output = check.env("LD_LIBRARY_PATH", prefix.join("lib")).output().expect("the program starts");
+        assert!(output.status.success(), "{options:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let raw = folder.path().join("second.raw");
+        assert!(std::fs::read(&raw).expect("pixels") == pixels.as_flattened(), "{options:?}");
+        std::fs::remove_file(raw).expect("the file");
     }
 }
 

@@ -1,4 +1,5 @@
-/* Calls every function of a session, wrong and right: check alone|mpi ORGANISATION FOLDER. The test draws the same in Rust. */
+/* Calls every function of a session, wrong and right: check alone|mpi|split ORGANISATION FOLDER. The test draws the same in Rust.
+ * With "split" every second process draws for itself, at the same time, into FOLDER/other; ranks are numbered from the last process on. */
 #include <mpi.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,7 +60,7 @@ static tercio_arrays saddle(double scale, double lift) {
 
 int main(int argc, char **argv) {
     if (argc != 4) return 2;
-    int is_alone = strcmp(argv[1], "alone") == 0;
+    int is_alone = strcmp(argv[1], "alone") == 0, is_split = strcmp(argv[1], "split") == 0, is_other = 0;
     tercio_session *s;
     WRONG(tercio_render(NULL), "the session is NULL");
     WRONG(tercio_open_mpi(NULL) != NULL ? 0 : 1, "the communicator is NULL");
@@ -69,10 +70,17 @@ int main(int argc, char **argv) {
     } else {
         int threads_allowed;
         MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads_allowed);
-        MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-        MPI_Comm_size(MPI_COMM_WORLD, &processes);
         MPI_Comm comm = MPI_COMM_WORLD;
+        MPI_Comm_rank(comm, &rank);
+        if (is_split) {
+            is_other = rank % 2;
+            MPI_Comm_split(MPI_COMM_WORLD, is_other, -rank, &comm);
+        }
+        MPI_Comm_rank(comm, &rank);
+        MPI_Comm_size(comm, &processes);
         s = tercio_open_mpi(&comm);
+        /* The session has its own. */
+        if (is_split) MPI_Comm_free(&comm);
     }
     RIGHT(s == NULL);
     WRONG(tercio_set_threads(3), "1 threads draw already");
@@ -125,7 +133,8 @@ int main(int argc, char **argv) {
     RIGHT(tercio_update(s, part, &arrays));
 
     /* Shown once. */
-    char path[2048];
+    char path[2048], folder[1024];
+    snprintf(folder, sizeof folder, "%s%s", argv[3], is_other ? "/other" : "");
     arrays = saddle(-0.5, 4);
     RIGHT(tercio_show(s, &arrays));
     WRONG(tercio_fit_camera(s, 20, 30, 0), "the zoom above 0");
@@ -135,19 +144,19 @@ int main(int argc, char **argv) {
     RIGHT(tercio_pixels(s, &pixels, &wide, &high));
     RIGHT(pixels != NULL || wide != 0 || high != 0);
     RIGHT(tercio_render(s));
-    snprintf(path, sizeof path, "%s/first.png", argv[3]);
+    snprintf(path, sizeof path, "%s/first.png", folder);
     RIGHT(tercio_save(s, path));
 
     double eye[3] = {-20, -30, 25}, target[3] = {12, 12, 0}, up[3] = {0, 0, 1};
     WRONG(tercio_set_camera(s, eye, eye, up, 40), "");
     RIGHT(tercio_set_camera(s, eye, target, up, 40));
     RIGHT(tercio_render(s));
-    snprintf(path, sizeof path, "%s/second.png", argv[3]);
+    snprintf(path, sizeof path, "%s/second.png", folder);
     RIGHT(tercio_save(s, path));
     RIGHT(tercio_pixels(s, &pixels, &wide, &high));
     if (rank == 0) {
         RIGHT(pixels == NULL || wide != 160 || high != 120);
-        snprintf(path, sizeof path, "%s/second.raw", argv[3]);
+        snprintf(path, sizeof path, "%s/second.raw", folder);
         FILE *file = fopen(path, "wb");
         RIGHT(file == NULL || fwrite(pixels, 4, wide * high, file) != wide * high || fclose(file) != 0);
     } else {
