@@ -28,7 +28,7 @@ pub struct SharedTile {
     pub ranks: f64,
     /// Pixels or fragments of all of them together.
     pub sum: f64,
-    /// The same when they are merged: fragments stay.
+    /// The same when they are merged: those that are seen.
     pub merged: f64,
 }
 
@@ -163,7 +163,7 @@ impl SharedTiles {
         all.plus(self.merging(count, stage))
     }
 
-    /// Fragments are only concatenated before so many ranks have what they own.
+    /// So many ranks make pixels of the fragments of what they own.
     fn merging(&self, owners: usize, stage: &Stage) -> Composited {
         let work = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
         Composited { seconds: stage.evenly(work, owners), sent: Sums::default() }
@@ -220,7 +220,7 @@ fn transfer(
     reach: Reach,
 ) -> Composited {
     let bytes = shown * stage.rates.composited_bytes;
-    let merging = if stage.rates.fragments { 0.0 } else { shown * stage.rates.merged };
+    let merging = shown * if stage.rates.fragments { stage.rates.joined } else { stage.rates.merged };
     let work = (merging + 2.0 * bytes * stage.rates.byte) * uneven;
     let load = Load { messages, out: bytes * uneven, into: bytes * uneven, work };
     let seconds = stage.exchange_evenly(&load, (ranks, of), reach);
@@ -305,7 +305,7 @@ mod tests {
     use crate::predict::choose::rates::Rates;
 
     /// Messages and bytes against those of the renderer's schedules, message by message: every rank has the same number of fragments in
-    /// every tile, and fragments stay when they are merged.
+    /// every tile, and all are seen when they are merged.
     #[test]
     fn messages_and_bytes_of_rounds_are_those_of_the_schedules() {
         const TILES: usize = 5040;

@@ -66,10 +66,13 @@ impl Grouped<'_> {
         };
 
         let mut in_tile = vec![SharedTile { ranks: 0.0, sum: 0.0, merged: 0.0 }; tiles.load.len()];
+        // Pixels in which groups show something, of all together.
+        let mut shown = vec![0.0; tiles.load.len()];
         for part in self.parts {
             let tile = &mut in_tile[part.tile as usize];
             tile.ranks += 1.0;
             tile.sum += part.shown;
+            shown[part.tile as usize] += part.pixels;
         }
         let (mut draw, mut sorting, mut bins) = (vec![0.0; ranks], vec![0.0; ranks], vec![0.0; ranks]);
         let mut shared = SharedTiles {
@@ -99,9 +102,11 @@ impl Grouped<'_> {
             direct[2] += tile.sum / tile.ranks;
         }
         let mut composited = 0.0;
-        for (tile, &pixels) in in_tile.iter_mut().zip(&tiles.covered) {
+        for ((tile, &pixels), &shown) in in_tile.iter_mut().zip(&tiles.covered).zip(&shown) {
             if tile.ranks >= 2.0 {
-                tile.merged = if rates.fragments { tile.sum } else { pixels.min(tile.sum) };
+                // Of a pixel as many fragments are seen as one group has there. What is not opaque hides nothing.
+                let seen = if rates.translucent { 1.0 } else { (pixels / shown.max(1e-9)).min(1.0) };
+                tile.merged = tile.sum * seen;
                 composited += pixels;
                 shared.tiles.push(*tile);
             }
