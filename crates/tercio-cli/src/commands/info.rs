@@ -52,7 +52,12 @@ impl Info {
         files.ready()?;
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
-        let loaded = pool.install(|| self.load())?;
+        // First, and in the same thread: what it takes is free again when the model is read.
+        let (time, loaded) = pool.install(|| {
+            let time = time_of_file(&self.model.model, self.running.memory_limit());
+            (time.filter(|time| time.is_finite()), self.load())
+        });
+        let loaded = loaded?;
         let model = self.model.name();
         files.check_companions(&model, &loaded.report.read.companions)?;
         if !self.running.quiet {
@@ -60,8 +65,6 @@ impl Info {
                 messages::warning(&format!("{model}: {warning}"));
             }
         }
-        let time =
-            time_of_file(&self.model.model, self.running.memory_limit()).filter(|time| time.is_finite());
         let text = if self.json {
             let mut value = json(&model, &loaded);
             value["time"] = time.into();

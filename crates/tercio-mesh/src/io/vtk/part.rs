@@ -15,6 +15,9 @@ pub enum Positions {
     Double(Vec<[f64; 3]>),
 }
 
+/// Bytes that a part takes itself, also while parts are joined, and with the allocations of small ones: a file may have very many.
+const PART_BYTES: u64 = 2 * size_of::<Part>() as u64 + 512;
+
 /// What is drawn of a data set.
 pub struct Part {
     pub positions: Positions,
@@ -87,7 +90,10 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     let names: u64 = arrays.map(|a| 2 * (Attribute::bytes_of_names(&a.name, a.components) + own(a))).sum();
     job.reserve(
         "its vertices and their data",
-        needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)).saturating_add(names),
+        needed
+            .saturating_add(stroke_vertices.saturating_mul(of_strokes))
+            .saturating_add(names)
+            .saturating_add(PART_BYTES),
     )?;
 
     let strokes = strokes(job, &data, &surface)?;

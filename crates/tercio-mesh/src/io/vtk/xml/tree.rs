@@ -12,8 +12,14 @@ use crate::io::vtk::dataset::Job;
 /// Deepest nesting of elements.
 const DEEPEST: usize = 64;
 
-/// Bytes of memory that an element takes with its attributes, about.
-const ELEMENT_BYTES: u64 = 512;
+/// Bytes of memory that are counted together.
+const COUNTED_BYTES: u64 = 1 << 18;
+
+/// Bytes that a small allocation takes at least, with what the allocator keeps beside it.
+const ALLOCATION_BYTES: u64 = 32;
+
+/// Attributes of a longer element are counted before they are read.
+const LONG: usize = 1 << 12;
 
 /// An element.
 pub struct Element {
@@ -34,6 +40,17 @@ pub struct Document {
 }
 
 impl Element {
+    /// Bytes of memory that it takes, about, without its children.
+    fn bytes(&self) -> u64 {
+        // A parent has room for four children at first, and later for up to twice as many as it has.
+        let own = 4 * size_of::<Self>() as u64 + ALLOCATION_BYTES;
+        let of_string = |text: &String| text.len() as u64 + ALLOCATION_BYTES;
+        let of_attribute = |(name, value): &(String, String)| {
+            2 * size_of::<(String, String)>() as u64 + of_string(name) + of_string(value)
+        };
+        own + self.attributes.iter().map(of_attribute).sum::<u64>()
+    }
+
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
     }
@@ -58,7 +75,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
     let mark = if markup.starts_with('\u{feff}') { 3 } else { 0 };
     let mut reader = Reader::from_str(&markup[mark..]);
     let mut open: Vec<Element> = Vec::new();
-    let (mut root, mut appended, mut elements) = (None, None, 0u64);
+    let (mut root, mut appended, mut uncounted) = (None, None, 0u64);
     while root.is_none() {
         let before = mark + reader.buffer_position() as usize;
         let event = reader.read_event().map_err(|error| {
@@ -67,11 +84,10 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
         })?;
         let after = mark + reader.buffer_position() as usize;
         if matches!(event, Event::Start(_) | Event::Empty(_)) {
-            elements += 1;
-            if elements.is_multiple_of(1024) {
-                job.reserve("the elements of its XML", 1024 * ELEMENT_BYTES)?;
+            if uncounted > COUNTED_BYTES {
+                job.reserve("the elements of its XML", std::mem::take(&mut uncounted))?;
             }
-            if after - before > ELEMENT_BYTES as usize {
+            if after - before > LONG {
                 // Attributes take more memory than they have characters.
                 job.reserve("the attributes of an element", 32 * (after - before) as u64)?;
             }
@@ -117,9 +133,14 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
                 }
                 break;
             }
-            Event::Start(start) => open.push(element(&start, before, after)),
+            Event::Start(start) => {
+                let started = element(&start, before, after);
+                uncounted += started.bytes();
+                open.push(started);
+            }
             Event::Empty(start) => {
                 let done = element(&start, before, after);
+                uncounted += done.bytes();
                 close(&mut open, &mut root, done);
             }
             Event::End(_) => {
@@ -146,6 +167,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
             _ => {}
         }
     }
+    job.reserve("the elements of its XML", uncounted)?;
     match root {
         Some(root) if root.name == "VTKFile" => Ok(Document { root, appended }),
         _ => Err(job.malformed(Place::Line(1), "the element VTKFile", "another one")),
