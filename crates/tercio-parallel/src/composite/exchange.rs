@@ -71,7 +71,7 @@ impl Content {
 /// tiles that it owns, merged. Ranks that have none of the tiles need not call this.
 ///
 /// # Errors
-/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+/// [`ParallelError::Comm`], [`ParallelError::Packet`], [`ParallelError::Fragments`].
 pub fn exchange(
     comm: &mut impl Communicator,
     composition: Composition,

@@ -103,6 +103,7 @@ impl Render {
         let own = self.origin.for_model(model)?;
         let options = own.as_ref().unwrap_or(self);
         let mut render = options.with_model(&options.at_chosen_time(model)?);
+        render.files_read = self.files_read.clone();
         if render.shows_time() && render.model.time().is_none() {
             return Err(NoTime(render.model.name()).into());
         }

@@ -226,6 +226,11 @@ impl Render {
         self.read_files(self.ranks.named_files(files))
     }
 
+    /// Records the files that these options name.
+    pub(super) fn record_files(&self) {
+        self.read_files(NamedFiles::default());
+    }
+
     /// The files that are read, added to `files`.
     fn read_files(&self, files: NamedFiles) -> NamedFiles {
         let files = files.recording(&self.files_read);

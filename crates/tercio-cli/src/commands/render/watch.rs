@@ -17,6 +17,12 @@ use crate::{messages, scene_file};
 /// Time between looks at the files.
 const PAUSE: Duration = Duration::from_millis(200);
 
+/// Looks after which a file that is not there is gone.
+const GONE: u32 = 10;
+
+/// By how much times of files may be too early.
+const CLOCK: Duration = Duration::from_secs(1);
+
 /// When a file was written last, and its length; `None` while it is not there.
 type Stamp = Option<(SystemTime, u64)>;
 
@@ -37,7 +43,9 @@ impl Render {
             if let Ok(Some(again)) = &again {
                 render = Self { files_read: render.files_read, ..again.clone() };
             }
-            let before = render.stamps();
+            // Files that are named are known now; those that models name, after these were read.
+            render.record_files();
+            let (before, begin) = (render.stamps(), SystemTime::now());
             match again.and_then(|_| render.run_once()) {
                 Err(error) if is_first && error.is::<UsageError>() => return Err(error),
                 Err(error) => messages::error(&error),
@@ -45,20 +53,26 @@ impl Render {
             }
             is_first = false;
             if !self.running.quiet {
-                messages::note("waiting for a change of the model; Ctrl+C ends");
+                messages::note("waiting for a change; Ctrl+C ends");
             }
-            // Which other files a model names is known now. Those that were known before may have changed while it was drawn.
+            // Which other files a model names is known now. All may have changed while it was drawn.
             let mut drawn = render.stamps();
+            for stamp in drawn.values_mut() {
+                *stamp = stamp
+                    .filter(|(written, _)| written.checked_add(CLOCK).is_some_and(|written| written < begin));
+            }
             drawn.extend(before);
-            let mut last = drawn.clone();
+            let (mut last, mut same) = (drawn.clone(), 0);
             loop {
                 thread::sleep(PAUSE);
                 let now = render.stamps();
+                same = if now == last { same + 1 } else { 0 };
                 // A file that is still being written changes from look to look. One that is being replaced is not there for a while.
                 let is_gone = |(path, stamp): (&PathBuf, &Stamp)| {
                     stamp.is_none() && drawn.get(path).is_some_and(Option::is_some)
                 };
-                if now != drawn && now == last && !now.iter().any(is_gone) {
+                let wait = if now.iter().any(is_gone) { GONE } else { 1 };
+                if now != drawn && same >= wait {
                     break;
                 }
                 last = now;

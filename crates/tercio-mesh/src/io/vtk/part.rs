@@ -198,7 +198,8 @@ fn keep_used(job: &Job, surface: &mut Surface, points: u64) -> Result<Vec<u32>, 
         }
     });
     let used: Vec<u64> = used.into_iter().map(AtomicU64::into_inner).collect();
-    let (mut kept, mut before) = (Vec::new(), Vec::with_capacity(used.len()));
+    let count: usize = used.iter().map(|bits| bits.count_ones() as usize).sum();
+    let (mut kept, mut before) = (Vec::with_capacity(count), Vec::with_capacity(used.len()));
     for (word, &bits) in used.iter().enumerate() {
         before.push(kept.len() as u32);
         let mut rest = bits;

@@ -202,3 +202,14 @@ fn a_structured_grid_in_xml_has_its_outer_surface() {
         assert!((value - (100.0 * i + 10.0 * j + k)).abs() < 1e-3, "{at:?}: {value}");
     }
 }
+
+#[test]
+fn a_face_of_no_points_is_no_face() {
+    // A tetrahedron as a polyhedron with a fifth face.
+    let model = read(
+        "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n\
+         CELLS 1 19\n18 5 3 0 1 3 3 1 2 3 0 3 2 0 3 3 0 2 1\nCELL_TYPES 1\n42\n",
+    );
+    assert_eq!(model.mesh.triangles.len(), 4);
+    assert!((area_and_volume(&model)[1] - 1.0 / 6.0).abs() < 1e-6);
+}

@@ -278,7 +278,8 @@ fn key(corners: &[u32], scratch: &mut Vec<u32>) -> [u32; 4] {
         }
         _ => at(3),
     };
-    [at(0), at(1), at(2), fourth]
+    // A polyhedron may have faces of no points, which are in the first bucket and have no area.
+    [scratch.first().copied().unwrap_or(0), at(1), at(2), fourth]
 }
 
 /// In ascending order.
@@ -299,7 +300,7 @@ mod tests {
 
     /// Faces, few enough points that many are equal.
     fn faces() -> impl Strategy<Value = Vec<Vec<u32>>> {
-        prop::collection::vec(prop::collection::vec(0..12u32, 1..7), 0..200)
+        prop::collection::vec(prop::collection::vec(0..12u32, 0..7), 0..200)
     }
 
     proptest! {
