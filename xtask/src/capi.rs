@@ -17,7 +17,7 @@ pub struct Arguments {
     /// Sessions of several processes: needs an MPI installation (mpicc) and libclang
     #[arg(long)]
     mpi: bool,
-    /// Install the libraries in this folder, instead of building them
+    /// Install the libraries that are in this folder, instead of building them
     #[arg(long, value_name = "FOLDER")]
     built: Option<PathBuf>,
 }

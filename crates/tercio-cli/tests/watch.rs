@@ -61,7 +61,7 @@ fn changes_of_the_model_and_of_its_materials_are_drawn() {
     let blue = changed(folder, "a.png", &red);
     replace(folder, "a.obj", &(MODEL.to_owned() + "v 1 1 0\nf 2 4 3\n"));
     let quad = changed(folder, "a.png", &blue);
-    // A model that is wrong is told about, the picture stays, and the next change is drawn.
+    // A model that is wrong is reported, the picture stays, and the next change is drawn.
     replace(folder, "a.obj", "v 0 0 0\nf 1 2 3\n");
     let told = changed(folder, "errors", b"");
     assert!(String::from_utf8_lossy(&told).contains("a.obj: line 2"), "{}", String::from_utf8_lossy(&told));

@@ -87,10 +87,9 @@ impl Render {
             Ok(Models::Steps(steps)) => steps.into_iter().map(|step| step.model).collect(),
             _ => vec![self.model.model.clone()],
         };
-        let others = self.others.iter().map(|other| other.model.model.clone());
-        let scene = self.origin.scene_file().map(Path::to_path_buf);
         let mut files = self.files_read.paths();
-        files.extend(models.into_iter().chain(others).chain(scene));
+        // Of patterns and series there may be new ones.
+        files.extend(models);
         // Models that are made do not change.
         files.retain(|path| !path.to_string_lossy().starts_with("builtin:"));
         let stamp = |path: &Path| {
