@@ -211,6 +211,8 @@ fn write_to_standard_error(text: &[u8]) {
 mod tests {
     use std::process::Command;
 
+    use crate::memory;
+
     /// Runs one test of this file in a process of its own, which the test ends.
     fn run_alone(test: &str) -> (Option<i32>, String) {
         let own = std::env::current_exe().unwrap();
@@ -261,5 +263,40 @@ mod tests {
             "{stderr}"
         );
         assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    }
+
+    #[test]
+    fn other_threads_keep_the_limit_until_the_end() {
+        use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+        use std::time::{Duration, Instant};
+        static IS_ENDING: AtomicBool = AtomicBool::new(false);
+        static IS_OVER: AtomicBool = AtomicBool::new(false);
+        const MORE: usize = 64 << 20;
+        let allocate = || drop(std::hint::black_box(Vec::<u8>::with_capacity(MORE)));
+        let test = "other_threads_keep_the_limit_until_the_end";
+        if is_alone(test) {
+            super::at_end(|| {
+                IS_ENDING.store(true, SeqCst);
+                let began = Instant::now();
+                while !IS_OVER.load(SeqCst) && began.elapsed() < Duration::from_millis(500) {
+                    std::thread::yield_now();
+                }
+                let what: &[u8] = if IS_OVER.load(SeqCst) { b"over\n" } else { b"kept\n" };
+                super::write_to_standard_error(what);
+            });
+            let _ = std::thread::spawn(move || {
+                while !IS_ENDING.load(SeqCst) {
+                    std::thread::yield_now();
+                }
+                allocate();
+                IS_OVER.store(true, SeqCst);
+            });
+            memory::set_limit_in_bytes(Some(MORE as u64 / 2), 0);
+            allocate();
+            unreachable!("the program has ended");
+        }
+        let (code, stderr) = run_alone(test);
+        assert_eq!(code, Some(1), "{stderr}");
+        assert!(stderr.starts_with("error: needs ") && stderr.ends_with("\nkept\n"), "{stderr}");
     }
 }

@@ -31,6 +31,8 @@ static OWN_PAGES: AtomicBool = AtomicBool::new(false);
 thread_local! {
     /// Bytes not yet added to the sum. Without a destructor, so that it is usable while a thread starts and ends.
     static PENDING: Cell<isize> = const { Cell::new(0) };
+    /// This thread has no limit.
+    static IS_EXEMPT: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Sets the limit; `besides` are bytes outside the heap that count as well.
@@ -40,9 +42,10 @@ pub fn set_limit(limit: Option<u64>, besides: usize) {
     LARGE_BLOCKS.fetch_add(besides, Relaxed);
 }
 
-/// Removes the limit: the program is ending and has to print why.
+/// Removes the limit for this thread, which is ending the program and has to print why. It stays for the others, which go on until
+/// then: without one they would take what the first of them was refused.
 pub fn lift_limit() {
-    LIMIT.store(usize::MAX, Relaxed);
+    IS_EXEMPT.set(true);
 }
 
 /// From now on large blocks have pages of their own.
@@ -145,7 +148,7 @@ fn hold_against_limit(size: usize) {
         let small = positive(MOST_SMALL.load(Relaxed).saturating_sub(SMALL_BLOCKS.load(Relaxed)));
         small.saturating_add(FREED.load(Relaxed))
     };
-    if used > limit {
+    if used > limit && !IS_EXEMPT.get() {
         ending::out_of_memory(used, size, Some(limit));
     }
     if limit < usize::MAX && used.saturating_add(idle()) > limit.saturating_add(SLACK) {

@@ -16,6 +16,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 pub use allocator::Allocator;
 pub use count::lift_limit;
+#[cfg(test)]
+pub use count::set_limit as set_limit_in_bytes;
 pub use system::peak_bytes;
 
 /// Memory of an idle thread: the touched part of its stack, and what the C library keeps for it.
