@@ -269,8 +269,22 @@ fn edges_are_seen_where_nothing_hides_them() {
         let cover = |x: usize, y: usize| (f64::from(picture.at(x, y)[0]) / 255.0).powf(2.2);
         let caster = model.caster();
         let triangles = model.triangles();
-        // Lines of triangles are drawn on these, those of polygons as strips in front of them.
-        let is_shaded = model.faces.iter().all(|face| face.len() == 3);
+        // Lines of triangles and flat quadrilaterals are drawn on these, those of other polygons as strips in front of them.
+        let corners = |face: &[usize]| face.iter().map(|&v| model.vertices[v]).collect::<Vec<_>>();
+        let is_flat = |face: &Vec<usize>| {
+            let corners = corners(face);
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+            let away = |p: &DVec3| normal.dot(*p - corners[0]).abs() / normal.length();
+            face.len() <= 4 && corners.iter().all(|p| away(p) <= 1e-3 * corners[0].distance(*p))
+        };
+        let is_shaded = model.faces.iter().all(is_flat);
+        let face_of: Vec<&[usize]> =
+            model.faces.iter().flat_map(|face| vec![&face[..]; face.len() - 2]).collect();
+        // A half of a quadrilateral draws the lines of the other half, too, where they reach over the diagonal.
+        let is_of_face = |triangle: usize, ends: [DVec3; 2]| {
+            let corners = corners(face_of[triangle]);
+            ends.iter().all(|end| corners.contains(end))
+        };
         let first = |direction: DVec3| caster.first_hit(eye.eye.to_array(), direction.to_array(), 0.0);
         // Distance of what a ray hits first, in lengths of the direction.
         let hit = |direction: DVec3| first(direction).map_or(f64::INFINITY, |hit| hit.distance);
@@ -321,7 +335,7 @@ fn edges_are_seen_where_nothing_hides_them() {
                 let is_free = hit(pixel(x, y)) > depth * (1.0 - 2.0 * size);
                 // A line on triangles is not seen beyond them.
                 let is_beside = !sides.contains(&side(pixel(x, y)));
-                let is_own = || first(pixel(x, y)).is_some_and(|hit| has_edge(&triangles[hit.triangle]));
+                let is_own = || first(pixel(x, y)).is_some_and(|hit| is_of_face(hit.triangle, [a, b]));
                 if is_free
                     && (!is_shaded || is_beside || is_own())
                     && DVec2::new(x as f64 + 0.5, y as f64 + 0.5).distance(s) < 0.75

@@ -1,6 +1,6 @@
 //! What reference and kernels share of lines along the sides of triangles.
 
-use tercio_scene::Scene;
+use tercio_scene::{Scene, SurfaceEdges};
 
 use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
@@ -48,11 +48,23 @@ pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
             return fail("colour of edges", "0 to 1", c.to_string());
         }
         let triangles = instance.mesh.triangle_count();
-        let Some(sides) = &edges.sides else { continue };
-        if sides.len() != triangles || instance.share.is_some() {
-            let range = format!("{triangles}, the triangles of a whole mesh");
-            return fail("number of triangles with edges", &range, sides.len().to_string());
+        let lengths = [edges.sides.as_ref().map(Vec::len), edges.fourths.as_ref().map(Vec::len)];
+        for length in lengths.into_iter().flatten() {
+            if length != triangles || instance.share.is_some() {
+                let range = format!("{triangles}, the triangles of a whole mesh");
+                return fail("number of triangles with edges", &range, length.to_string());
+            }
+        }
+        let mut places = edges.fourths.iter().flatten().flatten();
+        if let Some(place) = places.find(|place| !(place.is_finite() && **place >= 0.0)) {
+            return fail("fourth corner of a quadrilateral", "0 or above and finite", place.to_string());
         }
     }
     Ok(())
+}
+
+/// Of half a quadrilateral, the number of the corner that is opposite to its diagonal: the only side without a line.
+#[inline(always)]
+pub fn apex_of(sides: u8) -> usize {
+    (!sides & SurfaceEdges::ALL).trailing_zeros().min(2) as usize
 }

@@ -23,6 +23,19 @@ fn some_sides(mesh: &Mesh, seed: u64) -> Option<Vec<u8>> {
     Some(mesh.triangles.iter().map(|_| random.between(0.0, 8.0) as u8).collect())
 }
 
+/// Any fourth corners for the triangles of a mesh.
+fn some_fourths(mesh: &Mesh, seed: u64) -> Option<Vec<[f32; 2]>> {
+    let mut random = Random(seed);
+    let mut value = || if random.next() < 0.3 { 0.0 } else { random.between(0.01, 4.0) as f32 };
+    Some(mesh.triangles.iter().map(|_| [value(), value()]).collect())
+}
+
+fn with_fourths(mut scene: Scene, fourths: Option<Vec<[f32; 2]>>) -> Scene {
+    let edges = scene.instances[0].edges.as_ref().expect("edges");
+    scene.instances[0].edges = Some(Arc::new(SurfaceEdges { fourths, ..(**edges).clone() }));
+    scene
+}
+
 fn camera() -> Camera {
     perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0)
 }
@@ -36,8 +49,14 @@ fn colors_only(width: u32, height: u32) -> Settings {
 #[test]
 fn every_shading_and_sampling() {
     let mesh = soup(1_500, 1);
-    for (sides, width) in [(None, 1.0), (some_sides(&mesh, 2), 2.5), (None, 0.4)] {
-        let mut scene = edged(&mesh, width, sides);
+    let fourths = some_fourths(&mesh, 8);
+    for (sides, fourths, width) in [
+        (None, None, 1.0),
+        (some_sides(&mesh, 2), None, 2.5),
+        (None, None, 0.4),
+        (some_sides(&mesh, 2), fourths, 1.5),
+    ] {
+        let mut scene = with_fourths(edged(&mesh, width, sides), fourths);
         scene.lights.push(Light::headlight([3.0, 0.2, 0.4]));
         for shading in [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit, Shading::Physical] {
             let settings = Settings { shading, ..everything(60, 44) };
@@ -81,9 +100,15 @@ fn the_fastest_kernels() {
     for (number, data) in data.into_iter().enumerate() {
         let mut scene = scene(&mesh);
         scene.instances[0].data = data;
-        for edges in [None, Some(None), Some(some_sides(&mesh, 3))] {
+        for (edges, fourths) in [
+            (None, None),
+            (Some(None), None),
+            (Some(some_sides(&mesh, 3)), None),
+            (Some(some_sides(&mesh, 3)), some_fourths(&mesh, 4)),
+        ] {
             let what = format!("data {number}, edges {:?}", edges.as_ref().map(Option::is_some));
-            scene.instances[0].edges = edges.map(|sides| Arc::new(SurfaceEdges::new([0, 0, 0], 1.0, sides)));
+            let black = |sides| SurfaceEdges { fourths, ..SurfaceEdges::new([0, 0, 0], 1.0, sides) };
+            scene.instances[0].edges = edges.map(|sides| Arc::new(black(sides)));
             check_all(&mesh, &scene, &camera(), &colors_only(90, 70), &what);
             let is_plain = number == 0 && scene.instances[0].edges.is_none();
             let found = draw(&scene, &camera(), &colors_only(90, 70));
@@ -100,6 +125,9 @@ fn what_is_clipped_and_translucent_and_other_instances() {
     let mut scene = with_second_instance(edged(&mesh, 1.5, some_sides(&mesh, 6)));
     check_all(&mesh, &scene, &inside, &everything(71, 57), "inside");
     check_all(&mesh, &scene, &inside, &colors_only(50, 40), "inside, samples");
+    let quads = with_fourths(scene.clone(), some_fourths(&mesh, 7));
+    check_all(&mesh, &quads, &inside, &everything(71, 57), "inside, quadrilaterals");
+    check_all(&mesh, &quads, &flat, &colors_only(50, 40), "flat, quadrilaterals");
     scene.instances[1].edges = None;
     scene.instances[0].surface.opacity = 0.6;
     check_all(&mesh, &scene, &flat, &everything(60, 44), "two instances");
@@ -130,6 +158,11 @@ fn edges_that_cannot_be_are_refused() {
         (SurfaceEdges { color: [0.0, 1.5, 0.0], ..black() }, "colour of edges"),
         (SurfaceEdges { color: [f32::NAN, 0.0, 0.0], ..black() }, "colour of edges"),
         (SurfaceEdges { sides: Some(vec![7; 9]), ..black() }, "number of triangles with edges"),
+        (SurfaceEdges { fourths: Some(vec![[1.0; 2]; 9]), ..black() }, "number of triangles with edges"),
+        (
+            SurfaceEdges { fourths: Some(vec![[1.0, -0.5]; 10]), ..black() },
+            "fourth corner of a quadrilateral",
+        ),
     ] {
         let mut scene = scene(&mesh);
         scene.instances[0].edges = Some(Arc::new(edges));

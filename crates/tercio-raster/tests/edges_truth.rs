@@ -8,6 +8,7 @@ use std::sync::Arc;
 use common::*;
 use glam::{DVec2, DVec3};
 use tercio_mesh::Mesh;
+use tercio_mesh::edges::{Edges, Selection};
 use tercio_raster::{Outputs, SamplePattern, Sampling, Settings, Shading};
 use tercio_scene::camera::Projection;
 use tercio_scene::{Camera, SurfaceEdges};
@@ -73,9 +74,14 @@ impl Model {
         sides: Option<Vec<u8>>,
         pattern: SamplePattern,
     ) -> Vec<f64> {
+        self.picture_of(camera, SurfaceEdges::new([255; 3], width, sides), pattern)
+    }
+
+    /// The same, of white edges.
+    fn picture_of(&self, camera: &Camera, edges: SurfaceEdges, pattern: SamplePattern) -> Vec<f64> {
         let mut scene = scene(&self.mesh);
         let instance = &mut scene.instances[0];
-        instance.edges = Some(Arc::new(SurfaceEdges::new([255; 3], width, sides)));
+        instance.edges = Some(Arc::new(edges));
         (instance.surface.base_color, instance.surface.use_mesh_colors) = ([0.0; 3], false);
         let outputs = Outputs { linear: true, ..Outputs::NONE };
         let settings = Settings {
@@ -167,4 +173,88 @@ fn cover_is_the_area_of_the_lines() {
             assert!(count > 2_000 && (0.92..1.02).contains(&ink) && mean < 0.045 && worst < 0.5, "{what}");
         }
     }
+}
+
+/// A box of flat quadrilaterals, each of two triangles: none is a square, some are narrow, and their diagonals run either way. For each
+/// triangle the corners of its quadrilateral.
+fn quads() -> (Mesh, Vec<[DVec3; 4]>) {
+    const N: usize = 7;
+    let mut random = Random(11);
+    let (mut mesh, mut all) = (Mesh::default(), Vec::new());
+    for face in 0..6 {
+        let (axis, end) = (face / 2, (face % 2) as f64 * 2.0 - 1.0);
+        let mut grid = [[[0.0; 2]; N + 1]; N + 1];
+        for (i, row) in grid.iter_mut().enumerate() {
+            for (j, p) in row.iter_mut().enumerate() {
+                // Every other column is narrow.
+                let across = [-1.0, -0.55, -0.45, -0.05, 0.05, 0.45, 0.55, 1.0][i];
+                let down = j as f64 * 2.0 / N as f64 - 1.0;
+                let shift = |k: usize, most: f64, random: &mut Random| match k {
+                    0 | N => 0.0,
+                    _ => random.between(-most, most),
+                };
+                *p = [across + shift(i, 0.03, &mut random), down + shift(j, 0.08, &mut random)];
+            }
+        }
+        let at = |i: usize, j: usize| {
+            let mut p = [0.0; 3];
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (end, grid[i][j][0], grid[i][j][1]);
+            p.map(|c| c as f32)
+        };
+        for (i, j) in (0..N * N).map(|k| (k / N, k % N)) {
+            let mut corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            corners.rotate_left((i + j) % 2);
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
+            all.extend([corners.map(|p| DVec3::from(p.map(f64::from))); 2]);
+        }
+    }
+    mesh.face_of_triangle = Some((0..mesh.triangles.len() as u32).map(|t| t / 2).collect());
+    (mesh, all)
+}
+
+/// Lines of quadrilaterals are not cut off at their diagonals: a pixel is covered by as much as the distance to the nearest of the four
+/// sides says.
+#[test]
+fn cover_of_quadrilaterals_is_that_of_the_distance_to_all_their_sides() {
+    let (mesh, quads) = quads();
+    let edges = Edges::of_mesh(&mesh, Selection::All);
+    let model = Model::new(mesh);
+    let mut of_others = 0;
+    for camera in cameras() {
+        for width in [1.0, 3.5] {
+            let draw = |fourths| {
+                let edges = SurfaceEdges::new([255; 3], width, Some(edges.sides.clone()));
+                model.picture_of(&camera, SurfaceEdges { fourths, ..edges }, SamplePattern::ALL[0])
+            };
+            let found = draw(Some(edges.fourths.clone().expect("quadrilaterals")));
+            let cut_off = draw(None);
+            let width = f64::from(width);
+            let (mut compared, mut lines) = (0, 0);
+            for (i, corner) in pixels() {
+                let middle = DVec2::from(corner.map(|c| c + 0.5));
+                let (from, towards) = ray(&camera, SIZE, middle.to_array());
+                let Some(hit) = model.caster.first_hit(from.to_array(), towards.to_array(), 0.0) else {
+                    continue;
+                };
+                let corners = quads[hit.triangle].map(|p| on_picture(&camera, p));
+                let from_side = |k: usize| {
+                    let (a, b) = (corners[k], corners[(k + 1) % 4]);
+                    (b - a).perp_dot(middle - a).abs() / a.distance(b)
+                };
+                let distance = (0..4).map(from_side).fold(f64::INFINITY, f64::min);
+                if distance < 0.02 {
+                    continue;
+                }
+                let cover = (0.5 * width + 0.5 - distance).clamp(0.0, width.min(1.0));
+                assert!((found[i] - cover).abs() < 0.02, "{corner:?}: {}, expected {cover}", found[i]);
+                compared += 1;
+                lines += usize::from(cover > 0.3);
+                of_others += usize::from((cut_off[i] - cover).abs() > 0.1);
+            }
+            assert!(compared > 2_500 && lines > 150, "{compared} {lines}");
+        }
+    }
+    assert!(of_others > 200, "{of_others} pixels of lines beyond a diagonal");
 }

@@ -100,7 +100,7 @@ pub struct StrokeArgs {
     #[arg(long, alias = "style", value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
-    /// Several with commas: --edges=feature,silhouette. All edges of triangles, opaque and at most 4 pixels wide, are shaded with
+    /// Several with commas: --edges=feature,silhouette. All edges of triangles and flat quadrilaterals, opaque and at most 4 pixels wide, are shaded with
     /// the surface, which is quick; others are strips in front of it.
     #[arg(long, alias = "show-edges", value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
@@ -305,9 +305,9 @@ impl StrokeArgs {
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
-    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque. Not those of
-    /// polygons: a triangle draws the lines along its own sides, and one that is narrower than a line would cut it off at the
-    /// diagonal of its polygon.
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque, of triangles and
+    /// flat quadrilaterals. Not those of polygons with more corners: a triangle draws the lines along its own sides and those of the
+    /// other half of a quadrilateral, and one that is narrower than a line would cut off the others.
     pub fn on_surface(&self, edges: &Edges) -> Option<SurfaceEdges> {
         let Pen { width: Length::Pixels(width), color: [r, g, b, 0xff] } = self.edge_pen() else {
             return None;
@@ -317,8 +317,10 @@ impl StrokeArgs {
         if !is_shaded || !is_thin || self.plain() != Some(EdgesName::All) {
             return None;
         }
-        let of_triangles = edges.sides.iter().all(|&sides| sides == SurfaceEdges::ALL);
-        of_triangles.then(|| SurfaceEdges::new([r, g, b], width as f32, None))
+        let fourths = edges.fourths.as_ref()?;
+        let has_quads = !fourths.is_empty();
+        let lines = SurfaceEdges::new([r, g, b], width as f32, has_quads.then(|| edges.sides.clone()));
+        Some(SurfaceEdges { fourths: has_quads.then(|| fourths.clone()), ..lines })
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour; `is_darkened` if an

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::loops::prelude::*;
 
+use super::quads::{self, Joined};
 use super::{Edge, EdgeKind, Edges, Selection};
 use crate::Mesh;
 use crate::adjacency::Adjacency;
@@ -33,6 +34,8 @@ pub type Polygon = (u32, u32);
 #[derive(Default)]
 struct Found {
     edges: Vec<Placed>,
+    /// Sides that are no edges, if all edges are selected.
+    joined: Vec<Joined>,
     /// Edges at which an odd number of triangles meets, or not as many run one way as the other.
     open: u64,
 }
@@ -48,7 +51,8 @@ pub fn edges(
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
     let sides: Vec<AtomicU8> = mesh.triangles.iter().map(|_| AtomicU8::new(0)).collect();
-    let finder = Finder { mesh, same: &same, around: &around, sides: &sides, polygon, turned, selection };
+    let finder =
+        Finder { mesh, same: &same, around: &around, sides: &sides, polygon, turned: &turned, selection };
     let found = (0..mesh.positions.len() as u32)
         .into_par_iter()
         .with_min_len(1 << 12)
@@ -62,10 +66,11 @@ pub fn edges(
         .map(|(found, _)| found)
         .reduce(Found::default, |mut a, b| {
             a.edges.extend(b.edges);
+            a.joined.extend(b.joined);
             Found { open: a.open + b.open, ..a }
         });
     drop(around);
-    let mut placed = found.edges;
+    let Found { edges: mut placed, joined, open } = found;
     placed.par_sort_unstable_by_key(|edge| edge.0);
 
     // Vertices in the order in which edges use them, whatever their numbers in the mesh.
@@ -85,9 +90,19 @@ pub fn edges(
         ..edge
     });
     let list = list.collect();
-    let is_solid = found.open == 0 && !mesh.triangles.is_empty();
-    let sides = sides.into_iter().map(AtomicU8::into_inner).collect();
-    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, sides, is_solid }
+    let is_solid = open == 0 && !mesh.triangles.is_empty();
+    let sides: Vec<u8> = sides.into_iter().map(AtomicU8::into_inner).collect();
+    let corners = |t: u32| turned(mesh.triangles[t as usize]);
+    let is_proper = |t: usize| {
+        let [a, b, c] = corners(t as u32).map(|v| same[v as usize]);
+        a != b && b != c && c != a
+    };
+    let at = |t: u32, corner: u8| {
+        glam::DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
+    };
+    let is_of_all = selection == Selection::All;
+    let fourths = is_of_all.then(|| quads::fourths(&sides, &joined, is_proper, at)).flatten();
+    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, sides, fourths, is_solid }
 }
 
 struct Finder<'a, F, T> {
@@ -137,11 +152,15 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
         };
         // Any fold may be an outline, also one inside of a polygon.
         let joins_polygon = self.selection != Selection::Silhouette;
-        if let [a, b] = group
-            && (joins_polygon && (self.polygon)(a.triangle) == (self.polygon)(b.triangle)
-                || !self.is_selected(v, a, b))
-        {
-            return;
+        if let [a, b] = group {
+            let is_joined = joins_polygon && (self.polygon)(a.triangle) == (self.polygon)(b.triangle);
+            if is_joined && self.selection == Selection::All {
+                let (triangles, corners) = ([a.triangle, b.triangle], [a.corner, b.corner]);
+                found.joined.push(Joined { triangles, corners });
+            }
+            if is_joined || !self.is_selected(v, a, b) {
+                return;
+            }
         }
         for beside in group {
             // The side from a corner to the next one is opposite to the third.

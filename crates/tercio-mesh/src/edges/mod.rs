@@ -6,6 +6,7 @@
 //! mesh is split into clusters, nor on the number of threads.
 
 mod find;
+mod quads;
 mod sources;
 
 use glam::DVec3;
@@ -70,6 +71,12 @@ pub struct Edges {
     /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
     pub sides: Vec<u8>,
+    /// For each triangle that is half of a quadrilateral, where its fourth corner is; found if all edges are selected, no polygon
+    /// has more than four corners, and all are flat up to a degree. With p the corner opposite to the side that is no edge, q the next one and r the one after that,
+    /// the values a and b mean the point (a q - p + b r) / (a + b - 1): barycentric coordinates, after the other half
+    /// is turned about the diagonal into the plane of this one. Not above 0 is the one of a reflex angle, which is given as 0. Empty
+    /// if all polygons are triangles.
+    pub fourths: Option<Vec<[f32; 2]>>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
@@ -94,7 +101,7 @@ impl Edges {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
         // of a closed mesh three for two triangles, of a soup three a triangle.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1)
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 9 + 9)
     }
 
     /// Position of a vertex in object space.

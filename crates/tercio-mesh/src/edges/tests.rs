@@ -111,3 +111,74 @@ fn sides_are_those_of_the_edges() {
     assert_eq!(Edges::of_mesh(&flat, Selection::All).sides, [0b111, 0b111]);
     assert_eq!(Edges::of_mesh(&flat, Selection::Feature(0.5)).sides, [0b110, 0b101]);
 }
+
+/// Two triangles of one polygon for each quadrilateral, whose diagonal is from corner 0 to corner 2.
+fn quads(corners: &[[[f32; 3]; 4]]) -> Mesh {
+    let triangles =
+        (0..corners.len() as u32).flat_map(|q| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| 4 * q + k)));
+    let triangles: Vec<_> = triangles.collect();
+    let face_of_triangle = Some((0..triangles.len() as u32).map(|t| t / 2).collect());
+    let positions = corners.as_flattened().to_vec();
+    Mesh { positions, triangles, face_of_triangle, ..Mesh::default() }
+}
+
+#[test]
+fn the_fourth_corner_of_each_half_is_where_the_other_half_has_it() {
+    // Squares, and a trapezium, in any order of their corners.
+    for turned in 0..4 {
+        let mut trapezium = [[0.0, 0.0, 1.0], [4.0, 0.0, 2.0], [3.0, 1.0, 2.0], [1.0, 1.0, 1.5]];
+        trapezium.rotate_left(turned);
+        let mesh = quads(&[trapezium]);
+        let edges = Edges::of_mesh(&mesh, Selection::All);
+        let clustered = partition(mesh.clone(), &PartitionOptions::default());
+        let fourths = edges.fourths.expect("a quadrilateral");
+        assert_eq!(Edges::of_clusters(&clustered, Selection::All).fourths.as_ref(), Some(&fourths));
+        for (t, other) in [(0, 3), (1, 1)] {
+            let corners = Mesh::canonical(mesh.triangles[t]);
+            let apex = (0..3).find(|k| edges.sides[t] >> k & 1 == 0).expect("a diagonal");
+            let at = |k: usize| DVec3::from(mesh.positions[corners[(apex + k) % 3] as usize].map(f64::from));
+            let [a, b] = fourths[t].map(f64::from);
+            let found = (a * at(1) - at(0) + b * at(2)) / (a + b - 1.0);
+            let expected = DVec3::from(mesh.positions[other].map(f64::from));
+            assert!(found.distance(expected) < 1e-5, "{turned} {t}: {found}, expected {expected}");
+        }
+    }
+    assert!(Edges::of_mesh(&cube(), Selection::All).fourths.expect("squares").iter().all(|f| *f == [1.0; 2]));
+    assert_eq!(Edges::of_mesh(&cube(), Selection::Feature(0.5)).fourths, None);
+    // Bent by half a degree, and by two.
+    let bent = |degrees: f64| {
+        let (y, z) = degrees.to_radians().sin_cos();
+        let raised = [1.0, z as f32, y as f32];
+        quads(&[[[0.0; 3], [1.0, -1.0, 0.0], [2.0, 0.0, 0.0], raised]])
+    };
+    let fourths = Edges::of_mesh(&bent(0.5), Selection::All).fourths.expect("a flat quadrilateral");
+    assert!(fourths.as_flattened().iter().all(|c| (c - 1.0).abs() < 1e-6), "{fourths:?}");
+    assert_eq!(Edges::of_mesh(&bent(2.0), Selection::All).fourths, None);
+    assert_eq!(Edges::of_mesh(&bent(179.0), Selection::All).fourths, None);
+}
+
+#[test]
+fn only_quadrilaterals_have_fourth_corners() {
+    let fourths = |mesh: &Mesh| Edges::of_mesh(mesh, Selection::All).fourths;
+    // With a reflex angle at corner 0, whose sides are 0-1 of the first half and 3-0 of the second.
+    let dart = quads(&[[[0.0, 0.2, 0.0], [2.0, -1.0, 0.0], [0.0, 3.0, 0.0], [-2.0, -1.0, 0.0]]]);
+    for half in fourths(&dart).expect("a quadrilateral") {
+        assert!(half.contains(&0.0) && half.iter().any(|c| *c > 0.0), "{half:?}");
+    }
+    // Triangles have none, also beside one that is none.
+    let mut triangles = cube();
+    triangles.face_of_triangle = None;
+    assert_eq!(fourths(&triangles), Some(Vec::new()));
+    triangles.triangles.push([1, 1, 2]);
+    assert_eq!(fourths(&triangles), Some(Vec::new()));
+    // A pentagon.
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut pentagon =
+        Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]], ..Mesh::default() };
+    pentagon.face_of_triangle = Some(vec![0; 3]);
+    assert_eq!(fourths(&pentagon), None);
+    // A quadrilateral and a triangle.
+    pentagon.face_of_triangle = Some(vec![0, 0, 1]);
+    let mixed = fourths(&pentagon).expect("at most four corners");
+    assert!(mixed[..2].iter().all(|f| *f != [0.0; 2]) && mixed[2] == [0.0; 2], "{mixed:?}");
+}

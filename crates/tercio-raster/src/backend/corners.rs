@@ -170,14 +170,18 @@ pub fn material_number(instance: &Instance, cluster: &ClusterView, triangle: usi
     instance.materials.as_ref().and_then(|m| m.of_triangle(of_mesh)).unwrap_or(NO_MATERIAL)
 }
 
-/// The sides of 16 triangles, given by their numbers in their cluster, that have a line.
+/// The numbers in the mesh of 16 triangles, given by those in their cluster; 0 if lines along their sides do not need them.
 #[inline(always)]
-pub fn sides_of(cluster: &ClusterView, instance: &Instance, triangles: &[u8; LANES]) -> [i32; LANES] {
+pub fn numbers_for_edges(
+    cluster: &ClusterView,
+    instance: &Instance,
+    triangles: &[u8; LANES],
+) -> [u32; LANES] {
     match instance.edges.as_deref() {
-        Some(edges @ SurfaceEdges { sides: Some(_), .. }) => {
-            triangles.map(|triangle| i32::from(edges.sides_of(cluster.primitive(usize::from(triangle)))))
+        Some(SurfaceEdges { sides: Some(_), .. }) => {
+            triangles.map(|triangle| cluster.primitive(usize::from(triangle)))
         }
-        _ => [SurfaceEdges::ALL.into(); LANES],
+        _ => [0; LANES],
     }
 }
 
@@ -215,8 +219,8 @@ pub struct Corners<S: Simd> {
     pub has_uv: bool,
     /// Scene-wide materials, or [`NO_MATERIAL`].
     pub material: [u32; LANES],
-    /// The sides of the triangles that have a line, as bits; valid only if there are edges.
-    pub sides: [i32; LANES],
+    /// The numbers of the triangles in their mesh; valid only if the instance has edges on some sides.
+    pub numbers: [u32; LANES],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     pub normals_agree: bool,
@@ -240,7 +244,7 @@ impl<S: Simd> Corners<S> {
             uv: [[zero; 2]; 3],
             has_uv: false,
             material: [NO_MATERIAL; LANES],
-            sides: [0; LANES],
+            numbers: [0; LANES],
             normals_agree: false,
         }
     }
@@ -296,12 +300,11 @@ impl<S: Simd> Corners<S> {
             if has_materials {
                 corners.set_material(simd, scene_instance, &cluster, triangle, same);
             }
-            if let Some(edges) = &scene_instance.edges {
-                let sides = edges.sides_of(cluster.primitive(triangle));
-                let bits = same.to_bitmask();
+            if scene_instance.edges.is_some() {
+                let (number, bits) = (cluster.primitive(triangle), same.to_bitmask());
                 (0..LANES)
                     .filter(|lane| bits >> lane & 1 == 1)
-                    .for_each(|lane| corners.sides[lane] = sides.into());
+                    .for_each(|lane| corners.numbers[lane] = number);
             }
             if colors == ColorSource::Triangle {
                 let color = colored.triangle_color(triangle);

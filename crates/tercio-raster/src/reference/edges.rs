@@ -5,13 +5,15 @@ use tercio_scene::SurfaceEdges;
 use super::shading::{Vec3, each, shading_distance, shown};
 use crate::conventions::SUBPIXELS;
 use crate::settings::Settings;
-use crate::surface_edges::{Footprint, PIXELS};
+use crate::surface_edges::{Footprint, PIXELS, apex_of};
 
-/// Light with the lines over it. `area` and its change from one sub-pixel to the next are those of the sides.
+/// Light with the lines over it. `area` and its change from one sub-pixel to the next are those of the sides, and `scale` what makes them
+/// barycentric coordinates in perspective.
 pub fn over(
     edges: &SurfaceEdges,
     triangle: usize,
     (area, right, down): (Vec3, Vec3, Vec3),
+    scale: Vec3,
     settings: &Settings,
     sample: [i32; 2],
     light: Vec3,
@@ -19,11 +21,22 @@ pub fn over(
     let [x, y] = sample.map(|c| (c.rem_euclid(SUBPIXELS) - SUBPIXELS / 2) as f32);
     let sides = edges.sides_of(triangle as u32);
     let (mut nearest, mut across) = (f32::INFINITY, 0.0);
-    for k in (0..3).filter(|k| sides >> k & 1 == 1) {
-        let inverse = 1.0 / (right[k] * right[k] + down[k] * down[k]).sqrt();
-        let distance = area[k].abs() * inverse;
+    let mut line = |area: f32, right: f32, down: f32| {
+        let inverse = 1.0 / (right * right + down * down).sqrt();
+        let distance = area.abs() * inverse;
         if distance < nearest {
-            (nearest, across) = (distance, (x * right[k] + y * down[k]).abs() * inverse);
+            (nearest, across) = (distance, (x * right + y * down).abs() * inverse);
+        }
+    };
+    (0..3).filter(|k| sides >> k & 1 == 1).for_each(|k| line(area[k], right[k], down[k]));
+    if let Some(fourths) = &edges.fourths {
+        // The edge functions of the sides of the other half, which are linear combinations of those of this one.
+        let (apex, fourth) = (apex_of(sides), fourths[triangle]);
+        for (n, place) in fourth.into_iter().enumerate().filter(|(_, place)| *place > 0.0) {
+            let beside = (apex + 1 + n) % 3;
+            let (by_apex, by_beside) = (place * scale[apex], scale[beside]);
+            let of = |v: Vec3| v[apex] * by_apex + v[beside] * by_beside;
+            line(of(area), of(right), of(down));
         }
     }
     let Footprint { size, shrinking, least } = Footprint::new(settings, shading_distance(settings));

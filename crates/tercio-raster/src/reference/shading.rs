@@ -101,7 +101,9 @@ pub fn shade(
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
     let with_edges = |light: Vec3| match &instance.edges {
-        Some(lines) => edges::over(lines, triangle, (area, slopes[0], slopes[1]), settings, sample, light),
+        Some(lines) => {
+            edges::over(lines, triangle, (area, slopes[0], slopes[1]), scale, settings, sample, light)
+        }
         None => light,
     };
 

@@ -113,12 +113,16 @@ impl Render {
     }
 
     /// Has the instances of the model draw its edges with their surface, if they can: what is beside it remains.
-    /// Lines on surfaces that are not opaque would not be opaque themselves, and on triangles that are culled there would be none.
+    /// Lines on surfaces that are not opaque would not be opaque themselves, and on triangles that are culled there would be none;
+    /// of a closed surface these are hidden.
     pub(super) fn put_edges_on(&self, instances: &mut [Instance], drawable: &mut Drawable) {
         let [(edges, part)] = &mut drawable.edges[..] else { return };
-        if matches!(self.drawing.cull(), Cull::Back | Cull::Front)
-            || instances.iter().any(Instance::is_translucent)
-        {
+        let shows_culled = match self.drawing.cull() {
+            Cull::Back => !edges.is_solid,
+            Cull::Front => true,
+            _ => false,
+        };
+        if shows_culled || instances.iter().any(Instance::is_translucent) {
             return;
         }
         let (Some(lines), [first, ..]) = (self.strokes.on_surface(edges), &*instances) else { return };

@@ -7,7 +7,7 @@ use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use super::Scratch;
 use super::fragments::FragmentList;
 use super::sink::{Opaque, Sink, Translucent};
-use crate::backend::corners::{ColorSource, Colored, Corners, Fragments, sides_of};
+use crate::backend::corners::{ColorSource, Colored, Corners, Fragments, numbers_for_edges};
 use crate::backend::material::has_materials;
 use crate::backend::shade::{
     At, Common, Explained, Features, FragmentTarget, Look, fetch, late, shade, shade_inline,
@@ -143,7 +143,7 @@ impl ClusterFragments<'_> {
                 table.look_up_materials(simd, scene_instance, cluster, &triangles, &numbers, &mut corners);
             }
             if features.edges() {
-                corners.sides = sides_of(&self.cluster, scene_instance, &triangles);
+                corners.numbers = numbers_for_edges(&self.cluster, scene_instance, &triangles);
             }
             let normals = if outputs.normals { &mut list.normals[first..last] } else { &mut [] };
             let Some(colors) = list.colors[first..].first_chunk_mut() else { unreachable!("room was made") };

@@ -15,7 +15,7 @@ use fearless_simd::{Simd, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
 use super::cluster::ClusterPass;
-use super::corners::{ColorSource, Colored, Corners, Fragments, sides_of};
+use super::corners::{ColorSource, Colored, Corners, Fragments, numbers_for_edges};
 use super::material::has_materials;
 use super::memory::TileMemory;
 use super::table::ClusterTable;
@@ -310,7 +310,7 @@ impl Won<'_> {
                 }
             }
             if features.edges() {
-                corners.sides = sides_of(&self.cluster, scene_instance, &triangles);
+                corners.numbers = numbers_for_edges(&self.cluster, scene_instance, &triangles);
             }
             let (context, instance, at) = (self.context, self.instance, self.at);
             let target = &mut PixelTarget { pixels, outputs };
