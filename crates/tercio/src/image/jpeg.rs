@@ -1,12 +1,13 @@
 //! JPEG through the `image` crate, which has the decoder for textures: baseline, without subsampling of chroma.
 //! Its arithmetic, of integers and single divisions, gives the same bytes on every machine.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 
 use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
 use image::{ColorType, ExtendedColorType, ImageDecoder as _, ImageError as Reason};
 
 use super::png::{rgba, samples};
+use super::source::in_memory;
 use super::{ImageError, JPEG_MAX_SIZE, Picture, PictureFormat, Pixels};
 
 /// The format, for messages.
@@ -43,7 +44,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
     if !tail.windows(2).any(|marker| marker == [0xff, 0xd9]) {
         return Err(malformed("it has no end".into()));
     }
-    let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(|e| malformed(e.to_string()))?;
+    let decoder = JpegDecoder::new(in_memory(bytes)).map_err(|e| malformed(e.to_string()))?;
     let (width, height) = decoder.dimensions();
     let channels = match decoder.color_type() {
         ColorType::L8 => 1,

@@ -13,6 +13,7 @@ mod partial;
 pub(crate) mod png;
 mod ppm;
 mod quality;
+pub(crate) mod source;
 mod stream;
 mod webp;
 

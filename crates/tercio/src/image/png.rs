@@ -6,12 +6,13 @@ mod huffman;
 mod rows;
 
 use std::borrow::Cow;
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations, Writer};
 use tercio_mesh::loops::prelude::*;
 
 use self::rows::{Rgb8, Rgb16, Rgba8, Rgba16, compress};
+use super::source::in_memory;
 use super::{ImageError, Picture, PictureFormat, Pixels};
 use crate::bands::MAX_PIXELS_IN_MEMORY;
 
@@ -206,7 +207,7 @@ fn drop_alpha(pixels: &[[u8; 4]], bytes: &mut [u8]) -> u8 {
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: READ_LIMIT });
+    let mut decoder = Decoder::new_with_limits(in_memory(bytes), Limits { bytes: READ_LIMIT });
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(malformed)?;
     let size =

@@ -1,10 +1,11 @@
 //! Lossless WebP through the `image-webp` crate.
 
-use std::io::{Cursor, Write};
+use std::io::Write;
 
 use image_webp::{ColorType, EncodingError, WebPDecoder, WebPEncoder};
 
 use super::png::{rgba, samples};
+use super::source::in_memory;
 use super::{ImageError, Picture, PictureFormat, Pixels, WEBP_MAX_SIZE};
 
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
@@ -34,7 +35,7 @@ pub(super) fn write_with_alpha(
 
 pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
     let malformed = |reason: String| ImageError::Malformed { format: PictureFormat::WebP, reason };
-    let mut decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(|e| malformed(e.to_string()))?;
+    let mut decoder = WebPDecoder::new(in_memory(bytes)).map_err(|e| malformed(e.to_string()))?;
     let (width, height) = decoder.dimensions();
     let size = decoder.output_buffer_size().ok_or_else(|| malformed("too large".into()))?;
     let mut values = vec![0; size];

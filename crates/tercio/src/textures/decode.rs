@@ -4,7 +4,7 @@
 //! counts. Profiles, gamma values and orientations that a file states are ignored, as by other programs that draw textures.
 
 use std::fs::File;
-use std::io::{self, BufRead, Cursor, Read, Seek};
+use std::io::{self, Read};
 use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
@@ -12,6 +12,7 @@ use tercio_scene::texture::{Encoding, MAX_EDGE};
 use tercio_scene::{Panorama, PanoramaError, Texture, srgb_to_linear};
 
 use super::picture::{Picture, Pixels};
+use crate::image::source::{Source, in_memory};
 
 /// A larger file is not read.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -141,10 +142,10 @@ pub fn needs_of_file(path: &Path) -> Result<Needs, TextureError> {
     File::open(path)?.take(HEAD_BYTES).read_to_end(&mut head)?;
     let format = format(&head)?;
     // A decoder may read all that it is given.
-    let from_head = needs(Cursor::new(&head), format, file_bytes);
+    let from_head = needs(in_memory(&head), format, file_bytes);
     match from_head {
         Err(TextureError::Broken { .. } | TextureError::Io(_)) if file_bytes > head.len() as u64 => {
-            needs(io::BufReader::new(File::open(path)?), format, file_bytes)
+            needs(Box::new(io::BufReader::new(File::open(path)?)), format, file_bytes)
         }
         result => result,
     }
@@ -180,7 +181,7 @@ pub fn texture_from_bytes(
     memory_limit: Option<u64>,
 ) -> Result<Texture, TextureError> {
     let format = format_of(bytes, Path::new(""))?;
-    let needs = needs(Cursor::new(bytes), format, bytes.len() as u64)?;
+    let needs = needs(in_memory(bytes), format, bytes.len() as u64)?;
     needs.check(0, memory_limit)?;
     let picture = decode(bytes, &needs)?;
     if picture.ends_early {
@@ -258,12 +259,12 @@ fn panorama_from_bytes(mut bytes: Vec<u8>, memory_limit: Option<u64>) -> Result<
         }
         Err(_) => return Err(PanoramaFileError::Format { found: "none of these".into() }),
     };
-    let needs = needs(Cursor::new(&bytes), format, bytes.len() as u64)?;
+    let needs = needs(in_memory(&bytes), format, bytes.len() as u64)?;
     needs.check(0, memory_limit)?;
     if ends_early(&bytes, format) {
         return Err(TextureError::ends_early().into());
     }
-    let decoder = decoder(Cursor::new(&bytes), format, needs.decoding_bytes)?;
+    let decoder = decoder(in_memory(&bytes), format, needs.decoding_bytes)?;
     let is_linear = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
     let image = DynamicImage::from_decoder(decoder).map_err(TextureError::from)?;
     let light = |v: f32| if is_linear { v } else { srgb_to_linear(f64::from(v)) as f32 };
@@ -301,24 +302,16 @@ fn format_of(head: &[u8], path: &Path) -> Result<ImageFormat, TextureError> {
 }
 
 /// A decoder that has read the head and takes no more than `bytes`.
-fn decoder<'a, R: BufRead + Seek + 'a>(
-    reader: R,
-    format: ImageFormat,
-    bytes: u64,
-) -> Result<impl ImageDecoder + 'a, TextureError> {
-    let mut reader = ImageReader::with_format(reader, format);
+fn decoder(source: Source<'_>, format: ImageFormat, bytes: u64) -> Result<impl ImageDecoder, TextureError> {
+    let mut reader = ImageReader::with_format(source, format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(bytes);
     reader.limits(limits);
     Ok(reader.into_decoder()?)
 }
 
-fn needs<'a>(
-    reader: impl BufRead + Seek + 'a,
-    format: ImageFormat,
-    file_bytes: u64,
-) -> Result<Needs, TextureError> {
-    let decoder = decoder(reader, format, HEADER_BYTES)?;
+fn needs(source: Source<'_>, format: ImageFormat, file_bytes: u64) -> Result<Needs, TextureError> {
+    let decoder = decoder(source, format, HEADER_BYTES)?;
     let (width, height) = decoder.dimensions();
     let edges = 1..=MAX_EDGE;
     if !edges.contains(&width) || !edges.contains(&height) {
@@ -358,7 +351,7 @@ fn ends_early(bytes: &[u8], format: ImageFormat) -> bool {
 }
 
 fn decode(bytes: &[u8], needs: &Needs) -> Result<Picture, TextureError> {
-    let decoder = decoder(Cursor::new(bytes), needs.format, needs.decoding_bytes)?;
+    let decoder = decoder(in_memory(bytes), needs.format, needs.decoding_bytes)?;
     if decoder.dimensions() != needs.size || decoder.total_bytes() > needs.decoding_bytes / 4 {
         return Err(TextureError::Broken { reason: "the file has changed while it was read".into() });
     }

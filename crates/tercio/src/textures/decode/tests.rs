@@ -1,5 +1,7 @@
 //! Pictures are made by encoders, and broken by hand.
 
+use std::io::Cursor;
+
 use image::{GrayImage, Rgb, RgbaImage};
 
 use super::*;
@@ -164,7 +166,7 @@ fn a_shortened_picture_is_an_error_or_said_to_be_one() {
 }
 
 fn from_bytes(format: ImageFormat, bytes: &[u8]) -> Result<Picture, TextureError> {
-    let needs = needs(Cursor::new(bytes), format, bytes.len() as u64)?;
+    let needs = needs(in_memory(bytes), format, bytes.len() as u64)?;
     needs.check(0, Some(1 << 26))?;
     decode(bytes, &needs)
 }
