@@ -105,6 +105,7 @@ fn the_fastest_kernels() {
             (Some(None), None),
             (Some(some_sides(&mesh, 3)), None),
             (Some(some_sides(&mesh, 3)), some_fourths(&mesh, 4)),
+            (Some(None), some_fourths(&mesh, 5)),
         ] {
             let what = format!("data {number}, edges {:?}", edges.as_ref().map(Option::is_some));
             let black = |sides| SurfaceEdges { fourths, ..SurfaceEdges::new([0, 0, 0], 1.0, sides) };

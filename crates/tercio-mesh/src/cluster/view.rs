@@ -178,6 +178,17 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
     }
 
+    /// [`ClusterView::primitive`] of several triangles.
+    #[inline]
+    pub fn primitives_of<const N: usize>(&self, triangles: &[u8; N]) -> [u32; N] {
+        let head = *self.head();
+        if head.number_bits == 0 {
+            return triangles.map(|triangle| head.first_primitive + u32::from(triangle));
+        }
+        let first = self.layout.numbers(&head);
+        triangles.map(|triangle| head.first_primitive.wrapping_add(self.number(first, usize::from(triangle))))
+    }
+
     /// The line in which the number begins that [`ClusterView::primitive`] reads; none where the numbers are consecutive.
     #[inline]
     pub fn primitive_lines(&self, triangle: usize) -> &'a [Line] {

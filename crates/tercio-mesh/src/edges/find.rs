@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use crate::loops::prelude::*;
 
 use super::quads::{self, Joined};
-use super::{Edge, EdgeKind, Edges, Selection};
+use super::{Edge, EdgeKind, Edges, Selection, bend, normals_beside};
 use crate::Mesh;
 use crate::adjacency::Adjacency;
 use crate::trig::sin_cos;
@@ -102,7 +102,8 @@ pub fn edges(
     };
     let is_of_all = selection == Selection::All;
     let fourths = is_of_all.then(|| quads::fourths(&sides, &joined, is_proper, at)).flatten();
-    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, sides, fourths, is_solid }
+    let (origin, exponent, cones) = (mesh.origin, mesh.exponent, Default::default());
+    Edges { origin, exponent, positions, list, sides, fourths, is_solid, cones }
 }
 
 struct Finder<'a, F, T> {
@@ -178,23 +179,19 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
 
     /// Is an edge between two triangles selected?
     fn is_selected(&self, v: u32, a: &Beside, b: &Beside) -> bool {
-        let bend = match self.selection {
+        let most = match self.selection {
             Selection::All => return true,
             Selection::Boundary => return false,
             Selection::Feature(angle) => angle,
             Selection::Silhouette => 0.0,
         };
         let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
-        let (from, along) = (at(v), at(a.to) - at(v));
-        // Normals as if both triangles ran along the edge in opposite directions, however they are wound.
-        let (m, n) = (along.cross(at(a.apex) - from), (at(b.apex) - from).cross(along));
-        // The angle between them, exact for small ones, too. A triangle without area has no direction.
-        let (sin, cos) = (m.cross(n).length(), m.dot(n));
+        let (sin, cos) = bend(normals_beside(at(v), at(a.to), [at(a.apex), at(b.apex)]));
         if self.selection == Selection::Silhouette {
             // What is flat up to rounding is never a silhouette.
             return sin > 1e-9 * cos.abs() || cos < 0.0;
         }
-        let (sin_bend, cos_bend) = sin_cos(bend.clamp(0.0, std::f64::consts::PI));
+        let (sin_bend, cos_bend) = sin_cos(most.clamp(0.0, std::f64::consts::PI));
         sin * cos_bend - cos * sin_bend > 0.0
     }
 }

@@ -5,11 +5,16 @@
 //! VTK, such as the triangles of a strip ([`Attribute::POLYGON`](crate::Attribute::POLYGON)). What is found does not depend on how the
 //! mesh is split into clusters, nor on the number of threads.
 
+mod cones;
 mod find;
 mod quads;
 mod sources;
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
+
+pub use cones::{Cones, Sight};
 
 use crate::mesh::power_of_two;
 use crate::{ClusteredMesh, Mesh};
@@ -80,6 +85,8 @@ pub struct Edges {
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
+    /// Made when they are first asked for.
+    cones: OnceLock<Cones>,
 }
 
 impl Edges {
@@ -100,7 +107,7 @@ impl Edges {
     pub fn needed_bytes(mesh: &ClusteredMesh) -> u64 {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
-        // of a closed mesh three for two triangles, of a soup three a triangle.
+        // of a closed mesh three for two triangles, of a soup three a triangle. Cones take less than what is gone then.
         vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 9 + 9)
     }
 
@@ -108,6 +115,11 @@ impl Edges {
     pub fn position(&self, vertex: u32) -> DVec3 {
         let p = DVec3::from(self.positions[vertex as usize].map(f64::from));
         self.origin + p * self.unit()
+    }
+
+    /// Groups of edges, to find silhouettes.
+    pub fn cones(&self) -> &Cones {
+        self.cones.get_or_init(|| Cones::new(self))
     }
 
     /// The length of a unit of the positions.
@@ -119,6 +131,19 @@ impl Edges {
     pub fn count(&self, kind: EdgeKind) -> usize {
         self.list.iter().filter(|edge| edge.kind == kind).count()
     }
+}
+
+/// Normals of two triangles at the side between these ends, not normalized, as if both ran along it in opposite directions, however
+/// they are wound.
+fn normals_beside(from: DVec3, to: DVec3, [apex, other_apex]: [DVec3; 2]) -> [DVec3; 2] {
+    let along = to - from;
+    [along.cross(apex - from), (other_apex - from).cross(along)]
+}
+
+/// Sine and cosine of the angle between two normals, times both of their lengths; exact for small angles, too. A triangle
+/// without area has no direction.
+fn bend([m, n]: [DVec3; 2]) -> (f64, f64) {
+    (m.cross(n).length(), m.dot(n))
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::{bend, normals_beside};
+
 /// The bits of all sides of a triangle.
 const ALL: u8 = 0b111;
 
@@ -45,16 +47,14 @@ pub fn fourths(
     (others.count() == halves).then_some(fourths)
 }
 
-/// The sine of the angle by which the halves of a quadrilateral may be bent: a degree. Where one of them is hidden behind the diagonal,
+/// The tangent of the angle by which the halves of a quadrilateral may be bent: a degree. Where one of them is hidden behind the diagonal,
 /// so are lines along its sides, although they are no farther from the diagonal than half of their width.
 const MOST_BENT: f64 = 0.0175;
 
 /// Are two triangles at the side between these ends in one plane, and on both sides of it?
 fn is_flat(from: DVec3, to: DVec3, apex: DVec3, other_apex: DVec3) -> bool {
-    let along = to - from;
-    let (m, n) = (along.cross(apex - from), (other_apex - from).cross(along));
-    let bent = m.cross(n).length_squared();
-    bent <= (MOST_BENT * MOST_BENT) * m.length_squared() * n.length_squared() && m.dot(n) >= 0.0
+    let (sin, cos) = bend(normals_beside(from, to, [apex, other_apex]));
+    sin <= MOST_BENT * cos
 }
 
 /// Of the half `from`, `to`, `apex` of a quadrilateral, whose diagonal is from `from` to `to`, where the `fourth` corner is after

@@ -178,10 +178,8 @@ pub fn numbers_for_edges(
     triangles: &[u8; LANES],
 ) -> [u32; LANES] {
     match instance.edges.as_deref() {
-        Some(SurfaceEdges { sides: Some(_), .. }) => {
-            triangles.map(|triangle| cluster.primitive(usize::from(triangle)))
-        }
-        _ => [0; LANES],
+        None | Some(SurfaceEdges { sides: None, fourths: None, .. }) => [0; LANES],
+        Some(_) => cluster.primitives_of(triangles),
     }
 }
 

@@ -37,7 +37,7 @@ use tercio_mesh::cluster::ClusterView;
 use tercio_mesh::edges::Edges;
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
-use tercio_mesh::{Aabb, AttributeDomain, FileMaterial};
+use tercio_mesh::{AttributeDomain, FileMaterial};
 use tercio_scene::{DataReader, Instance, Surface, SurfaceData};
 
 pub use eye::Eye;
@@ -159,12 +159,10 @@ pub fn edges(
     let at = |v: u32| eye.eye_space(world_from_object.transform_point3(edges.position(v)));
     let hides_back = edges.is_solid && !is_inside(eye, edges, world_from_object);
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
-    let all = 0..edges.list.len() as u32;
     let list: Vec<u32> = match part {
-        EdgePart::All => all.collect(),
+        EdgePart::All => (0..edges.list.len() as u32).collect(),
         EdgePart::Silhouette | EdgePart::BesideSurface => {
-            let sight = Sight::new(eye, edges, world_from_object);
-            all.into_par_iter().filter(|&n| !sight.is_between(&edges.list[n as usize])).collect()
+            Sight::new(eye, edges, world_from_object).silhouettes()
         }
     };
     sheet::draw(eye, &colored(plain(), data), &list, |sheet, &number| {
@@ -234,10 +232,9 @@ fn tubes(
 
 /// Is the eye in the box of the edges?
 fn is_inside(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
-    let mut bounds = Aabb::EMPTY;
-    (0..edges.positions.len() as u32).for_each(|v| bounds.add(edges.position(v)));
+    let [min, max] = edges.cones().bounds.map(|corner| edges.origin + corner.as_dvec3() * edges.unit());
     let at = world_from_object.inverse().transform_point3(eye.position());
-    bounds.is_empty() || at.cmpge(bounds.min).all() && at.cmple(bounds.max).all()
+    edges.positions.is_empty() || at.cmpge(min).all() && at.cmple(max).all()
 }
 
 /// The lines of a file, at a place in the world, as instances for the camera of `eye`, in the colours of `data`, if there are any, or
