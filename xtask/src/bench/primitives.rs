@@ -1,5 +1,6 @@
 //! What lines, points, glyphs, data and annotation cost, against the plain surface: instructions of pictures.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};
@@ -19,12 +20,15 @@ type Primitive = (&'static str, &'static str, Option<f64>);
 /// The plain surface, which all others are compared with.
 const PLAIN: Primitive = ("plain surface", "", None);
 
-const PRIMITIVES: [Primitive; 33] = [
+const PRIMITIVES: [Primitive; 39] = [
     ("flat shading", "--shading flat", None),
+    ("back faces left out", "--cull back", None),
     ("opacity 0.3", "--opacity 0.3", None),
     ("data of vertices", "--color-by @elevation --no-bar", Some(1.15)),
     ("data of triangles", "--color-by @face --no-bar", Some(1.15)),
     ("data, 8 bands", "--color-by @elevation --no-bar --bands 8", Some(1.15)),
+    ("data, logarithms", "--color-by @elevation --no-bar --log", Some(1.15)),
+    ("data, categories", "--color-by @component --no-bar --categories", Some(1.15)),
     ("data, 9 isolines", "--color-by @elevation --no-bar --isolines 9", None),
     ("data, opacity by data", "--color-by @elevation --no-bar --opacity-map 0.2,1", None),
     ("contours", "--color-by @elevation --no-bar --mode contours", None),
@@ -33,12 +37,15 @@ const PRIMITIVES: [Primitive; 33] = [
     ("edges on the surface, translucent", "--edges --edge-color #20242880", None),
     ("feature edges on the surface", "--edges=feature", Some(1.5)),
     ("silhouette on the surface", "--edges=silhouette", Some(1.5)),
+    ("boundaries on the surface", "--edges=boundary", Some(1.5)),
+    ("edges of more than two triangles on the surface", "--edges=non-manifold", Some(1.5)),
     ("edges and data", "--edges --color-by @elevation --no-bar", None),
     ("wireframe", "--mode wireframe", None),
     ("wireframe, data", "--mode wireframe --color-by @elevation --no-bar", None),
     ("wireframe, tubes", "--mode wireframe --line-shape tube", None),
     ("hidden lines removed", "--mode hidden-line", None),
     ("feature edges alone", "--mode edges", None),
+    ("silhouette alone", "--mode edges --edges=silhouette", None),
     ("points, discs", "--mode points", None),
     ("points, squares", "--mode points --point-shape square", None),
     ("points, spheres", "--mode points --point-shape sphere", None),
@@ -53,6 +60,19 @@ const PRIMITIVES: [Primitive; 33] = [
     ("scale bar", "--scale-bar", None),
     ("bounds", "--bounds", None),
     ("grid", "--grid", None),
+];
+
+/// Quadrilaterals along each side of [`QUADRILATERALS`].
+const CELLS: usize = 400;
+
+/// A wave of flat quadrilaterals, a file.
+const QUADRILATERALS: &str = "quadrilaterals.obj";
+
+/// What is drawn of the quadrilaterals: all else is that of triangles.
+const OF_QUADRILATERALS: [Primitive; 3] = [
+    ("edges on the surface", "--edges", Some(1.5)),
+    ("edges on the surface, translucent", "--edges --edge-color #20242880", None),
+    ("edges and data", "--edges --color-by @elevation --no-bar", None),
 ];
 
 /// What pictures of a model take.
@@ -82,7 +102,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
          taken once, for loading the model and finding edges, points and ranges. Writing the picture is in all of them.",
     );
     let folder = tempfile::tempdir()?;
-    for model in MODELS {
+    std::fs::write(folder.path().join(QUADRILATERALS), quadrilaterals())?;
+    let of_triangles = MODELS.map(|model| (model, &PRIMITIVES[..]));
+    for (model, primitives) in of_triangles.into_iter().chain([(QUADRILATERALS, &OF_QUADRILATERALS[..])]) {
         let count = |(what, options, _): Primitive| {
             counted(&program, model, options, folder.path()).with_context(|| format!("{model}: {what}"))
         };
@@ -95,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let columns =
             ["primitive", "options", "picture, times plain", "limit", "once, millions more than plain"];
         report.table(model, &introduction, &columns);
-        for primitive in PRIMITIVES {
+        for &primitive in primitives {
             let (what, options, most) = primitive;
             let counted = count(primitive)?;
             let ratio = counted.picture as f64 / plain.picture as f64;
@@ -123,6 +145,21 @@ fn counted(program: &Path, model: &str, options: &str, folder: &Path) -> Result<
     let (one, three) = (run("1")?, run("3")?);
     let picture = three.saturating_sub(one) / 2;
     Ok(Counted { once: one.saturating_sub(picture), picture })
+}
+
+/// The file of [`QUADRILATERALS`]: heights depend on one coordinate only, so all are flat.
+fn quadrilaterals() -> String {
+    let mut text = String::new();
+    let all = || (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column)));
+    for (row, column) in all() {
+        let [x, y] = [column, row].map(|k| k as f64 / CELLS as f64 * 4.0 - 2.0);
+        let _ = writeln!(text, "v {x:.6} {y:.6} {:.6}", 0.4 * (3.0 * x).sin());
+    }
+    for (row, column) in all().filter(|(row, column)| *row < CELLS && *column < CELLS) {
+        let a = row * (CELLS + 1) + column + 1;
+        let _ = writeln!(text, "f {} {} {} {}", a, a + 1, a + CELLS + 2, a + CELLS + 1);
+    }
+    text
 }
 
 fn millions(count: u64) -> String {
