@@ -152,6 +152,18 @@ fn other_planes_are_those_without_edges() {
 fn edges_that_cannot_be_are_refused() {
     let mesh = soup(10, 9);
     let black = || SurfaceEdges::new([0; 3], 1.0, None);
+    let last_fourth = |place: f32| {
+        let mut fourths = vec![[f32::MAX, -0.0]; 10];
+        fourths[9][1] = place;
+        SurfaceEdges { fourths: Some(fourths), ..black() }
+    };
+    let wrong_fourths = [-f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -f32::NAN]
+        .map(|place| (last_fourth(place), "fourth corner of a quadrilateral"));
+    for place in [0.0, -0.0, f32::MAX] {
+        let mut scene = scene(&mesh);
+        scene.instances[0].edges = Some(Arc::new(last_fourth(place)));
+        Renderer::new().render(&scene, &camera(), &everything(10, 10)).expect("right places");
+    }
     for (edges, wrong) in [
         (SurfaceEdges { width: 0.0, ..black() }, "width of edges"),
         (SurfaceEdges { width: f32::NAN, ..black() }, "width of edges"),
@@ -164,7 +176,10 @@ fn edges_that_cannot_be_are_refused() {
             SurfaceEdges { fourths: Some(vec![[1.0, -0.5]; 10]), ..black() },
             "fourth corner of a quadrilateral",
         ),
-    ] {
+    ]
+    .into_iter()
+    .chain(wrong_fourths)
+    {
         let mut scene = scene(&mesh);
         scene.instances[0].edges = Some(Arc::new(edges));
         let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();

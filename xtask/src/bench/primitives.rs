@@ -20,7 +20,7 @@ type Primitive = (&'static str, &'static str, Option<f64>);
 /// The plain surface, which all others are compared with.
 const PLAIN: Primitive = ("plain surface", "", None);
 
-const PRIMITIVES: [Primitive; 39] = [
+const PRIMITIVES: [Primitive; 38] = [
     ("flat shading", "--shading flat", None),
     ("back faces left out", "--cull back", None),
     ("opacity 0.3", "--opacity 0.3", None),
@@ -38,7 +38,6 @@ const PRIMITIVES: [Primitive; 39] = [
     ("feature edges on the surface", "--edges=feature", Some(1.5)),
     ("silhouette on the surface", "--edges=silhouette", Some(1.5)),
     ("boundaries on the surface", "--edges=boundary", Some(1.5)),
-    ("edges of more than two triangles on the surface", "--edges=non-manifold", Some(1.5)),
     ("edges and data", "--edges --color-by @elevation --no-bar", None),
     ("wireframe", "--mode wireframe", None),
     ("wireframe, data", "--mode wireframe --color-by @elevation --no-bar", None),
@@ -69,10 +68,12 @@ const CELLS: usize = 400;
 const QUADRILATERALS: &str = "quadrilaterals.obj";
 
 /// What is drawn of the quadrilaterals: all else is that of triangles.
-const OF_QUADRILATERALS: [Primitive; 3] = [
+const OF_QUADRILATERALS: [Primitive; 5] = [
     ("edges on the surface", "--edges", Some(1.5)),
     ("edges on the surface, translucent", "--edges --edge-color #20242880", None),
+    ("silhouette on the surface", "--edges=silhouette", Some(1.5)),
     ("edges and data", "--edges --color-by @elevation --no-bar", None),
+    ("silhouette alone", "--mode edges --edges=silhouette", None),
 ];
 
 /// What pictures of a model take.

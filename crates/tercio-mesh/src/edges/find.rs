@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
+use glam::Vec3;
+
 use crate::loops::prelude::*;
 
 use super::quads::{self, Joined};
@@ -102,8 +104,11 @@ pub fn edges(
     };
     let is_of_all = selection == Selection::All;
     let fourths = is_of_all.then(|| quads::fourths(&sides, &joined, is_proper, at)).flatten();
+    let bounds = positions
+        .iter()
+        .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], &p| [min.min(p.into()), max.max(p.into())]);
     let (origin, exponent, cones) = (mesh.origin, mesh.exponent, Default::default());
-    Edges { origin, exponent, positions, list, sides, fourths, is_solid, cones }
+    Edges { origin, exponent, positions, list, sides, fourths, is_solid, bounds, cones }
 }
 
 struct Finder<'a, F, T> {

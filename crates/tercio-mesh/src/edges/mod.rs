@@ -5,19 +5,17 @@
 //! VTK, such as the triangles of a strip ([`Attribute::POLYGON`](crate::Attribute::POLYGON)). What is found does not depend on how the
 //! mesh is split into clusters, nor on the number of threads.
 
-mod cones;
 mod find;
 mod quads;
+mod silhouettes;
 mod sources;
 
-use std::sync::OnceLock;
+use glam::{DVec3, Vec3};
 
-use glam::DVec3;
-
-pub use cones::{Cones, Sight};
+pub use silhouettes::Viewer;
 
 use crate::mesh::power_of_two;
-use crate::{ClusteredMesh, Mesh};
+use crate::{Aabb, ClusteredMesh, Mesh};
 
 /// Which edges of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +69,7 @@ pub struct Edges {
     pub exponent: i32,
     /// Positions of the vertices that edges use.
     pub positions: Vec<[f32; 3]>,
-    /// The edges, in the order of their first triangles.
+    /// The edges, in the order of their first triangles. To be changed, if at all, before the first [`Edges::silhouettes`].
     pub list: Vec<Edge>,
     /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
@@ -85,8 +83,10 @@ pub struct Edges {
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
-    /// Made when they are first asked for.
-    cones: OnceLock<Cones>,
+    /// The box of the positions; empty without any.
+    bounds: [Vec3; 2],
+    /// Of the list, to find silhouettes.
+    cones: silhouettes::LazyCones,
 }
 
 impl Edges {
@@ -117,9 +117,10 @@ impl Edges {
         self.origin + p * self.unit()
     }
 
-    /// Groups of edges, to find silhouettes.
-    pub fn cones(&self) -> &Cones {
-        self.cones.get_or_init(|| Cones::new(self))
+    /// The box of the vertices that edges use, in object space.
+    pub fn bounds(&self) -> Aabb {
+        let [min, max] = self.bounds.map(|corner| self.origin + corner.as_dvec3() * self.unit());
+        if self.positions.is_empty() { Aabb::EMPTY } else { Aabb { min, max } }
     }
 
     /// The length of a unit of the positions.

@@ -217,7 +217,7 @@ pub struct Corners<S: Simd> {
     pub has_uv: bool,
     /// Scene-wide materials, or [`NO_MATERIAL`].
     pub material: [u32; LANES],
-    /// The numbers of the triangles in their mesh; valid only if the instance has edges on some sides.
+    /// The numbers of the triangles in their mesh; valid only if the instance has edges of some sides or quadrilaterals.
     pub numbers: [u32; LANES],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).

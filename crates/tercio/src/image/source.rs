@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Cursor, Seek};
 
-/// A picture file.
+/// Bytes that a decoder reads, and seeks in.
 pub(crate) trait Input: BufRead + Seek {}
 
 impl<R: BufRead + Seek> Input for R {}

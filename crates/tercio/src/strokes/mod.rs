@@ -27,14 +27,13 @@ mod glyph;
 mod line;
 mod point;
 mod sheet;
-mod sight;
 mod tube;
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use tercio_mesh::cluster::ClusterView;
-use tercio_mesh::edges::Edges;
+use tercio_mesh::edges::{Edges, Viewer};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{AttributeDomain, FileMaterial};
@@ -45,7 +44,6 @@ pub(crate) use glyph::is_shown;
 pub use glyph::{GlyphShape, draw as glyphs};
 use line::Line;
 use sheet::{Ink, Look};
-use sight::Sight;
 
 use crate::data::StrokeData;
 
@@ -162,7 +160,7 @@ pub fn edges(
     let list: Vec<u32> = match part {
         EdgePart::All => (0..edges.list.len() as u32).collect(),
         EdgePart::Silhouette | EdgePart::BesideSurface => {
-            Sight::new(eye, edges, world_from_object).silhouettes()
+            edges.silhouettes(viewer(eye, edges, world_from_object))
         }
     };
     sheet::draw(eye, &colored(plain(), data), &list, |sheet, &number| {
@@ -232,9 +230,19 @@ fn tubes(
 
 /// Is the eye in the box of the edges?
 fn is_inside(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
-    let [min, max] = edges.cones().bounds.map(|corner| edges.origin + corner.as_dvec3() * edges.unit());
+    let bounds = edges.bounds();
     let at = world_from_object.inverse().transform_point3(eye.position());
-    edges.positions.is_empty() || at.cmpge(min).all() && at.cmple(max).all()
+    bounds.is_empty() || at.cmpge(bounds.min).all() && at.cmple(bounds.max).all()
+}
+
+/// Where edges at a place in the world are seen from.
+fn viewer(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> Viewer {
+    let object_from_world = world_from_object.inverse();
+    if eye.is_perspective() {
+        let eye = object_from_world.transform_point3(eye.position());
+        return Viewer::At((eye - edges.origin) / edges.unit());
+    }
+    Viewer::Along(object_from_world.transform_vector3(eye.world_axes(DVec3::Z)))
 }
 
 /// The lines of a file, at a place in the world, as instances for the camera of `eye`, in the colours of `data`, if there are any, or
