@@ -46,7 +46,8 @@ impl Edges {
     ///
     /// After two viewers the edges are grouped, which takes as long as three or four more, and 9 bytes an edge from then on.
     pub fn silhouettes(&self, viewer: Viewer) -> Vec<u32> {
-        let may_be_on = |&number: &u32| !self.is_between(&self.list[number as usize], viewer);
+        let edge_on = EDGE_ON * self.diagonal();
+        let may_be_on = |&number: &u32| !self.is_between(&self.list[number as usize], viewer, edge_on);
         match self.cones.for_view(self) {
             None => (0..self.list.len() as u32).into_par_iter().filter(may_be_on).collect(),
             Some(cones) => {
@@ -57,8 +58,9 @@ impl Edges {
         }
     }
 
-    /// Are the two triangles of an edge on both sides of the plane through the viewer and the edge? Not where that is uncertain.
-    fn is_between(&self, edge: &Edge, viewer: Viewer) -> bool {
+    /// Are the two triangles of an edge on both sides of the plane through the viewer and the edge, and their apexes farther from it than
+    /// `edge_on`?
+    fn is_between(&self, edge: &Edge, viewer: Viewer, edge_on: f64) -> bool {
         let [a, b] = edge.apexes;
         if b == Edge::NONE {
             return false;
@@ -71,7 +73,7 @@ impl Edges {
         let from = at(edge.ends[0]);
         let plane = (at(edge.ends[1]) - from).cross(direction.unwrap_or(from));
         let [a, b] = [a, b].map(|v| plane.dot(at(v) - from));
-        let limit2 = EDGE_ON * EDGE_ON * plane.length_squared() * self.diagonal().powi(2);
+        let limit2 = edge_on * edge_on * plane.length_squared();
         (a < 0.0) != (b < 0.0) && a * a > limit2 && b * b > limit2
     }
 

@@ -47,7 +47,7 @@ fn viewers(edges: &Edges) -> Vec<Viewer> {
 }
 
 fn expected(edges: &Edges, viewer: Viewer) -> Vec<u32> {
-    let is_left = |n: &u32| !edges.is_between(&edges.list[*n as usize], viewer);
+    let is_left = |n: &u32| !edges.is_between(&edges.list[*n as usize], viewer, EDGE_ON * edges.diagonal());
     (0..edges.list.len() as u32).filter(is_left).collect()
 }
 
