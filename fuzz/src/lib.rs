@@ -1,6 +1,8 @@
 //! Shared by the fuzz targets: reading bytes as a model, and the invariants of every model that is read and of every
 //! [`picture`] of it.
 
+#![forbid(unsafe_code)]
+
 pub mod picture;
 
 use tercio_mesh::io::input::Input;

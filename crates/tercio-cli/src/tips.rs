@@ -103,7 +103,7 @@ fn equals_tip(program: &Command, arguments: &[OsString], surplus: &str) -> Optio
     let [option, value] = pairs.find(|pair| takes_equals(&pair[0]) && is_value(&pair[1]))? else {
         return None;
     };
-    Some(format!("the value of '{option}' stands after an equals sign: '{option}={value}'"))
+    Some(format!("the value of '{option}' follows an equals sign: '{option}={value}'"))
 }
 
 #[cfg(test)]

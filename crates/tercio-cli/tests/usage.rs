@@ -68,7 +68,7 @@ fn wrong_usage_is_reported_before_any_work() {
         ("-o a.png --stats a.png", "a.png"),
         ("--output-depth a.npy --output-ids a.npy", "a.npy"),
         ("--output-depth a.npy --format png", "--output"),
-        ("-o a.png --ao 0.5", "stands after an equals sign: '--ao=0.5'"),
+        ("-o a.png --ao 0.5", "follows an equals sign: '--ao=0.5'"),
         ("-o a.png --shadows 1024", "'--shadows=1024'"),
         ("-o a.png --clip-cap #f00", "'--clip-cap=#f00'"),
     ];

@@ -7,6 +7,26 @@
 //! They take light from all of a pixel's colour. Pixels at the edge of a model show some background, too: it keeps its light
 //! if the picture is drawn on a transparent background, and [`add_background`] puts the real one behind it afterwards.
 //!
+//! ```
+//! use tercio_effects::AmbientOcclusion;
+//! use tercio_mesh::builtin;
+//! use tercio_mesh::cluster::{PartitionOptions, partition};
+//! use tercio_raster::{Renderer, Settings};
+//! use tercio_scene::Scene;
+//!
+//! let mesh = builtin::make("builtin:teapot@5k")?;
+//! let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()).into());
+//! let settings = Settings { outputs: AmbientOcclusion::NEEDED, ..Settings::new(160, 120) };
+//! let camera = settings.framing().camera_for_scene(&scene);
+//! let mut frame = Renderer::new().render(&scene, &camera, &settings)?;
+//!
+//! let light = |linear: &[[f32; 4]]| linear.iter().map(|[r, g, b, _]| r + g + b).sum::<f32>();
+//! let before = light(&frame.planes.linear);
+//! AmbientOcclusion::default().apply(&mut frame, &scene, &camera, &settings)?;
+//! assert!(light(&frame.planes.linear) < before);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! [`surface`] says where the visible points are, in the camera's axes; [`darken`] takes light away from rows of colours.
 
 #![forbid(unsafe_code)]

@@ -16,6 +16,7 @@ pub const FAILURE: i32 = 1;
 /// Why MPI could not be initialized. If the library cannot find the other processes it reports that itself and ends
 /// the job.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StartError {
     /// A process can initialize MPI only once.
     #[error("MPI was already initialized in this process")]

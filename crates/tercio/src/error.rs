@@ -9,8 +9,11 @@ use tercio_parallel::comm::CommError;
 use tercio_raster::RenderError;
 use tercio_scene::camera::CameraError;
 
+use crate::camera_path::CameraPathFileError;
+use crate::data::DataError;
 use crate::image::ImageError;
-use crate::{LoadError, SessionError};
+use crate::scene_file::SceneFileError;
+use crate::{LoadError, PanoramaFileError, SessionError, TextureError};
 
 /// Any error between a model file and its picture.
 ///
@@ -44,6 +47,21 @@ pub enum Error {
     /// A picture could not be written, read or compared.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// A picture file makes no texture.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// A picture file makes no environment.
+    #[error(transparent)]
+    Panorama(#[from] PanoramaFileError),
+    /// Data could not become colours.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A file makes no camera path.
+    #[error(transparent)]
+    CameraPath(#[from] CameraPathFileError),
+    /// A scene file or a configuration could not be read.
+    #[error(transparent)]
+    SceneFile(#[from] SceneFileError),
     /// A file could not be written or read.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -80,6 +98,8 @@ impl From<CameraError> for Error {
 mod tests {
     use std::error::Error as _;
 
+    use tercio_scene::texture::Encoding;
+
     use super::*;
 
     #[test]
@@ -113,5 +133,11 @@ mod tests {
         };
         let camera = camera.basis().unwrap_err();
         assert!(matches!(Error::from(camera), Error::Render(RenderError::Camera(_))));
+        let texture = || crate::texture_from_bytes(b"no picture", Encoding::Srgb, None).unwrap_err();
+        assert!(matches!(Error::from(texture()), Error::Texture(TextureError::Format { .. })));
+        let panorama = PanoramaFileError::from(texture());
+        assert!(matches!(Error::from(panorama), Error::Panorama(PanoramaFileError::Picture(_))));
+        let path = crate::camera_path::read(b"{").unwrap_err();
+        assert!(matches!(Error::from(path), Error::CameraPath(_)));
     }
 }

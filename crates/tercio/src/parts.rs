@@ -45,7 +45,8 @@ impl LoadedPart {
 }
 
 /// The file of a rank: the name with the number of the rank for [`RANK`], or the name itself, if all ranks share one file.
-pub fn file_of_rank(model: &Path, rank: usize) -> PathBuf {
+pub fn file_of_rank(model: impl AsRef<Path>, rank: usize) -> PathBuf {
+    let model = model.as_ref();
     match model.to_str() {
         Some(name) if name.contains(RANK) => name.replace(RANK, &rank.to_string()).into(),
         _ => model.to_owned(),

@@ -111,7 +111,7 @@ impl Value {
 
     /// The value that has this text: a number or a list of numbers where these are written so in TOML with the same
     /// digits, else a text.
-    pub fn of_text(text: &str) -> Self {
+    pub fn from_text(text: &str) -> Self {
         if is_plain_number(text) {
             return Self::Number(text.into());
         }
@@ -477,7 +477,7 @@ mod tests {
             "x",
             "",
         ] {
-            let value = Value::of_text(text);
+            let value = Value::from_text(text);
             assert_eq!(value.text().as_deref(), Some(text));
             let is_number = matches!(&value, Value::Number(_));
             assert_eq!(is_number, ["0", "-3", "0.50"].contains(&text), "{text}");
@@ -487,8 +487,8 @@ mod tests {
     fn values() -> impl Strategy<Value = Value> {
         let leaf = prop_oneof![
             any::<bool>().prop_map(Value::Flag),
-            any::<String>().prop_map(|text| Value::of_text(&text)),
-            "-?[0-9]{1,4}(\\.[0-9]{1,3})?".prop_map(|text| Value::of_text(&text)),
+            any::<String>().prop_map(|text| Value::from_text(&text)),
+            "-?[0-9]{1,4}(\\.[0-9]{1,3})?".prop_map(|text| Value::from_text(&text)),
         ];
         leaf.prop_recursive(2, 8, 4, |inner| prop::collection::vec(inner, 0..4).prop_map(Value::List))
     }

@@ -28,8 +28,8 @@ pub const SUBJECTS: [Subject; 5] = [
     Subject {
         title: "dragon split twice, binary PLY",
         file: "first/dragon-split-twice.ply",
-        seconds: 1.0,
-        file_sizes: Some(2.0),
+        seconds: 0.6,
+        file_sizes: Some(1.3),
     },
     Subject { title: "dragon, binary PLY", file: "first/dragon.ply", seconds: 0.15, file_sizes: None },
     Subject { title: "dragon, ASCII PLY", file: "first/dragon-ascii.ply", seconds: 0.25, file_sizes: None },

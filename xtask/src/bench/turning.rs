@@ -21,22 +21,22 @@ pub struct Subject {
 }
 
 pub const SUBJECTS: [Subject; 4] = [
-    Subject { title: "bunny", file: "bunny.ply", of_floor: 1.0, of_llvmpipe: 8.0, scales: false },
-    Subject { title: "dragon", file: "dragon.ply", of_floor: 0.4, of_llvmpipe: 30.0, scales: true },
+    Subject { title: "bunny", file: "bunny.ply", of_floor: 0.8, of_llvmpipe: 8.0, scales: false },
+    Subject { title: "dragon", file: "dragon.ply", of_floor: 0.2, of_llvmpipe: 30.0, scales: true },
     Subject {
         title: "dragon split twice",
         file: "dragon-split-twice.ply",
-        of_floor: 0.3,
+        of_floor: 0.17,
         of_llvmpipe: 50.0,
         scales: true,
     },
-    Subject { title: "gyroid", file: "gyroid.ply", of_floor: 0.2, of_llvmpipe: 35.0, scales: true },
+    Subject { title: "gyroid", file: "gyroid.ply", of_floor: 0.1, of_llvmpipe: 35.0, scales: true },
 ];
 
 /// Lower limit of the speed-up of two threads over one.
 const SCALING: f64 = 1.85;
 /// Lower limit of the speed of the partition with two threads, million triangles a second.
-const PARTITION: f64 = 20.0;
+const PARTITION: f64 = 30.0;
 /// Upper limit of the bytes of positions and connectivity per triangle.
 const BYTES_A_TRIANGLE: f64 = 16.0;
 

@@ -266,7 +266,7 @@ impl SeriesArgs {
         Ok(Some(Moment { number, time: times[number] }))
     }
 
-    /// What is to be told if the chosen time is not exactly the one that is asked for.
+    /// The message if the chosen time is not exactly the one that is asked for.
     pub fn other_time(&self, moment: Moment) -> Option<String> {
         let asked = self.time.filter(|asked| (asked - moment.time).abs() > 1e-9 * asked.abs().max(1e-300))?;
         Some(format!("has no time {asked}; the nearest is {}, step {}", moment.time, moment.number))

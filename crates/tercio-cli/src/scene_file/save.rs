@@ -73,7 +73,7 @@ fn settings(settings: &Settings, folder: &Path) -> Result<Vec<Setting>> {
             if paths::is_file(name, &text) {
                 return Ok(Value::Text(utf8(paths::relative(Path::new(&text), folder).as_os_str())?));
             }
-            Ok(Value::of_text(&text))
+            Ok(Value::from_text(&text))
         };
         let value = match given {
             Given::Off => Value::Flag(false),
@@ -94,7 +94,7 @@ fn settings(settings: &Settings, folder: &Path) -> Result<Vec<Setting>> {
 fn instance(placement: &Placement) -> Table {
     let mut settings: Vec<Setting> = Vec::new();
     for (name, text) in placement.place.texts() {
-        settings.push(setting(name, Value::of_text(&text)));
+        settings.push(setting(name, Value::from_text(&text)));
     }
     if let Some(color) = placement.color {
         // Colours are read from 8 bits.
@@ -102,7 +102,7 @@ fn instance(placement: &Placement) -> Table {
         settings.push(setting("color", Value::Text(format!("#{r:02x}{g:02x}{b:02x}"))));
     }
     if let Some(opacity) = placement.opacity {
-        settings.push(setting("opacity", Value::of_text(&opacity.to_string())));
+        settings.push(setting("opacity", Value::from_text(&opacity.to_string())));
     }
     if placement.no_mesh_colors {
         settings.push(setting("no-mesh-colors", Value::Flag(true)));

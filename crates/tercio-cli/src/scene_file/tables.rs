@@ -148,7 +148,7 @@ fn member(
         }
         let class = definition.class_or_like(&setting.key, &["file", "files", "instance"]);
         if class.map_err(|reason| source.wrong(setting, &reason))? != Class::Model {
-            let text = "is an option of the whole picture: it stands before the first [[model]]";
+            let text = "is an option of the whole picture: it belongs before the first [[model]]";
             return Err(source.wrong(setting, text));
         }
         source.add(setting, &mut member.settings, definition)?;
@@ -197,7 +197,7 @@ fn placement(source: &Source, table: &Table, definition: &Definition) -> Result<
     if placement.place.is_twice() {
         let line = table.line;
         bail!(
-            "{}: line {line}: [[model.instance]]: matrix stands alone, without translate, rotate and scale",
+            "{}: line {line}: [[model.instance]]: matrix excludes translate, rotate and scale",
             source.path.display()
         );
     }

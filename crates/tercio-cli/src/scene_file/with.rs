@@ -28,7 +28,9 @@ pub fn read(text: &str, definition: &mut Definition) -> Result<Member, UsageErro
         match definition.class(key) {
             Some(Class::Model) => {}
             Some(_) => {
-                return Err(wrong(format!("{key} is an option of the whole picture: it stands by itself")));
+                return Err(wrong(format!(
+                    "{key} is an option of the whole picture: give it apart from --with"
+                )));
             }
             None => {
                 return Err(wrong(format!("there is no option {key}{}", definition.like(key, &[]))));

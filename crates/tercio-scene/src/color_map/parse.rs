@@ -4,6 +4,7 @@ use super::{Annotation, ColorMap, Special, rounded};
 
 /// What is wrong with a colour map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ColorMapError {
     /// Nothing in it.
     #[error("there is no colour in it")]

@@ -16,6 +16,7 @@ use crate::glyphs::{Glyph, Glyphs};
 
 /// The form of a glyph. Its size is the length of its vector.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum GlyphShape {
     /// A shaft and a head, from the place to the end of the vector.
     #[default]

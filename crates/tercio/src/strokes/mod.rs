@@ -78,6 +78,7 @@ pub enum LineShape {
 
 /// How points look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PointShape {
     /// Squares parallel to the picture.
     Square,

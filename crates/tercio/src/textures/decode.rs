@@ -226,7 +226,11 @@ const PANORAMA_FORMATS: &[ImageFormat] =
 ///
 /// # Errors
 /// [`PanoramaFileError`].
-pub fn panorama_from_file(path: &Path, memory_limit: Option<u64>) -> Result<Panorama, PanoramaFileError> {
+pub fn panorama_from_file(
+    path: impl AsRef<Path>,
+    memory_limit: Option<u64>,
+) -> Result<Panorama, PanoramaFileError> {
+    let path = path.as_ref();
     let metadata = path.metadata().map_err(TextureError::from)?;
     if !metadata.is_file() {
         return Err(TextureError::NotAFile.into());

@@ -129,7 +129,7 @@ impl<'a> Reader<'_, 'a> {
         if count.checked_mul(3) == Some(numbers.len() as u64) {
             return Ok(());
         }
-        let expected = format!("{count} points, of which the piece of {} tells", self.line_words(piece));
+        let expected = format!("{count} points, as stated by the piece of {}", self.line_words(piece));
         let found = format!("{} numbers, {} points", numbers.len(), numbers.len() as f64 / 3.0);
         Err(self.job.malformed(numbers.place(0), expected, found))
     }
