@@ -12,7 +12,7 @@ use tercio_scene::texture::{Encoding, MAX_EDGE};
 use tercio_scene::{Panorama, PanoramaError, Texture, srgb_to_linear};
 
 use super::picture::{Picture, Pixels};
-use crate::image::source::{Source, in_memory};
+use crate::image::source::{Source, in_file, in_memory};
 
 /// A larger file is not read.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -145,7 +145,7 @@ pub fn needs_of_file(path: &Path) -> Result<Needs, TextureError> {
     let from_head = needs(in_memory(&head), format, file_bytes);
     match from_head {
         Err(TextureError::Broken { .. } | TextureError::Io(_)) if file_bytes > head.len() as u64 => {
-            needs(Box::new(io::BufReader::new(File::open(path)?)), format, file_bytes)
+            needs(in_file(File::open(path)?), format, file_bytes)
         }
         result => result,
     }
