@@ -116,26 +116,8 @@ fn both<T: Copy + Send + Sync>(left: &[T], right: &[T], of: impl Fn([T; 2]) -> T
 
 /// All planes of two frames: in turn as many pixels of the left one, and as many of the right one.
 fn joined(left: &Frame, right: &Frame, in_turn: usize) -> Result<Frame, ImageError> {
-    fn plane<T: Copy>(left: &[T], right: &[T], in_turn: usize) -> Vec<T> {
-        let parts = left.chunks(in_turn).zip(right.chunks(in_turn));
-        let mut joined = Vec::with_capacity(2 * left.len().min(right.len()));
-        parts.for_each(|(left, right)| {
-            [left, right].into_iter().for_each(|part| joined.extend_from_slice(part))
-        });
-        joined
-    }
     check_sizes(left, right)?;
-    let (l, r, in_turn) = (&left.planes, &right.planes, in_turn.max(1));
-    let planes = Planes {
-        keys: plane(&l.keys, &r.keys, in_turn),
-        ties: plane(&l.ties, &r.ties, in_turn),
-        color: plane(&l.color, &r.color, in_turn),
-        color16: plane(&l.color16, &r.color16, in_turn),
-        depth: plane(&l.depth, &r.depth, in_turn),
-        linear: plane(&l.linear, &r.linear, in_turn),
-        ids: plane(&l.ids, &r.ids, in_turn),
-        normals: plane(&l.normals, &r.normals, in_turn),
-    };
+    let planes = left.planes.in_turn(&right.planes, in_turn);
     Ok(Frame {
         width: left.width,
         height: left.height,

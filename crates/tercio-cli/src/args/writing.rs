@@ -119,9 +119,7 @@ impl WritingArgs {
                 depth: self.output_depth.is_some(),
                 ids: self.output_ids.is_some(),
                 normals: self.output_normals.is_some(),
-                keys: false,
-                ties: false,
-                linear: false,
+                ..Outputs::NONE
             },
             picture,
             drawing: drawn,

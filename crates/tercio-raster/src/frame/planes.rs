@@ -63,6 +63,13 @@ macro_rules! planes {
                 $(resize(&mut self.$name, if outputs.$name { pixels } else { 0 });)*
             }
 
+            /// Planes of two frames of one size: by turns `pixels` of the one and as many of the other. With the pixels of a row they are
+            /// side by side, with those of a frame one below the other. A plane that one of them does not have is empty.
+            #[must_use]
+            pub fn in_turn(&self, other: &Self, pixels: usize) -> Self {
+                Self { $($name: in_turn(&self.$name, &other.$name, pixels.max(1)),)* }
+            }
+
             /// Sets a pixel in the planes that are present.
             pub(crate) fn put(&mut self, index: usize, pixel: &Pixel) {
                 $(if let Some(value) = self.$name.get_mut(index) {
@@ -263,6 +270,16 @@ fn bits<T: bytemuck::NoUninit>(value: &T) -> u128 {
     let mut bits = [0; 16];
     bits[..size_of::<T>()].copy_from_slice(bytemuck::bytes_of(value));
     u128::from_ne_bytes(bits)
+}
+
+/// As many values of one plane and of another by turns.
+fn in_turn<T: Copy>(own: &[T], others: &[T], values: usize) -> Vec<T> {
+    let mut all = Vec::with_capacity(2 * own.len().min(others.len()));
+    for (own, others) in own.chunks(values).zip(others.chunks(values)) {
+        all.extend_from_slice(own);
+        all.extend_from_slice(others);
+    }
+    all
 }
 
 /// Resizes a plane. Memory that has to be allocated is not touched: the system clears a page when it is first written.
