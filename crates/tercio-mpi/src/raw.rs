@@ -36,8 +36,8 @@ fn check(call: &str, code: c_int) -> Result<(), Failed> {
     let mut text = [0u8; ffi::MPI_MAX_ERROR_STRING as usize];
     let mut length: c_int = 0;
     // SAFETY: the text has room for the longest string that the library writes, and both destinations are ours.
-    let told = unsafe { ffi::MPI_Error_string(code, text.as_mut_ptr().cast::<c_char>(), &mut length) };
-    let length = if told == ffi::MPI_SUCCESS as c_int { usize::try_from(length).unwrap_or(0) } else { 0 };
+    let status = unsafe { ffi::MPI_Error_string(code, text.as_mut_ptr().cast::<c_char>(), &mut length) };
+    let length = if status == ffi::MPI_SUCCESS as c_int { usize::try_from(length).unwrap_or(0) } else { 0 };
     let text = String::from_utf8_lossy(&text[..length.min(text.len())]);
     Err(Failed(format!("{call}: {} (code {code})", text.trim_end_matches('\0'))))
 }

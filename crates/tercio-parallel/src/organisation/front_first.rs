@@ -99,14 +99,14 @@ pub fn draw(
     Ok(drawn)
 }
 
-/// Reads what a rank hides in some of its tiles, which are removed from those that it has not told of, and appended to the `told`
+/// Reads what a rank hides in some of its tiles, which are removed from those that it has not reported, and appended to the `reported`
 /// ones; `None` if that cannot be.
 fn read(
     message: &[u8],
     blocks: usize,
     left: &mut BTreeSet<u32>,
     hidden: &mut DepthBounds,
-    told: &mut Vec<u32>,
+    reported: &mut Vec<u32>,
 ) -> Option<()> {
     for of_tile in message.chunks(size_of::<u32>() + blocks * BYTES) {
         let (tile, halves) = of_tile.split_first_chunk()?;
@@ -118,7 +118,7 @@ fn read(
             // Also infinity, of finished blocks; anything else is not a depth.
             *hidden = Some(get(half)).filter(|depth| *depth >= 0.0)?;
         }
-        told.push(tile);
+        reported.push(tile);
     }
     Some(())
 }
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn what_a_rank_cannot_tell_is_refused() {
         let grid = TileGrid::new(32, 16, 16, TileSet::ALL);
-        let told = |message: &[u8]| {
+        let read = |message: &[u8]| {
             let (mut left, mut tiles) = (BTreeSet::from([1]), Vec::new());
             let mut hidden = DepthBounds::new(&grid, vec![0, 1]);
             read(message, 4, &mut left, &mut hidden, &mut tiles)?;
@@ -175,8 +175,8 @@ mod tests {
         };
         let mut good = 1u32.to_ne_bytes().to_vec();
         [0.0, 0.5, 2.0, f32::INFINITY].into_iter().for_each(|depth| put(depth, &mut good));
-        assert_eq!(told(&good), Some((0, vec![1], vec![0.0, 0.5, 2.0, f32::INFINITY])));
-        assert_eq!(told(&[]), Some((1, Vec::new(), vec![0.0; 4])));
+        assert_eq!(read(&good), Some((0, vec![1], vec![0.0, 0.5, 2.0, f32::INFINITY])));
+        assert_eq!(read(&[]), Some((1, Vec::new(), vec![0.0; 4])));
         let other = [&0u32.to_ne_bytes()[..], &good[4..]].concat();
         let wrong = [f32::NAN, -1.0].map(|depth| {
             let mut message = good[..10].to_vec();
@@ -184,7 +184,7 @@ mod tests {
             message
         });
         for message in [&good[..11], &good[..3], &[&good[..], &good].concat(), &other, &wrong[0], &wrong[1]] {
-            assert_eq!(told(message), None, "{message:?}");
+            assert_eq!(read(message), None, "{message:?}");
         }
     }
 }

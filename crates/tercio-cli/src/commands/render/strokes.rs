@@ -107,7 +107,7 @@ impl Render {
             }
         }
         if let Some(glyphs) = drawable.glyphs.first().filter(|_| self.running.verbose && !self.is_measured) {
-            messages::note(&told(glyphs));
+            messages::note(&summary(glyphs));
         }
         Ok(())
     }
@@ -261,7 +261,7 @@ fn glyph_bytes(model: &Instance, file: &Strokes) -> u64 {
 }
 
 /// How many glyphs there are, and why not more.
-fn told(glyphs: &Glyphs) -> String {
+fn summary(glyphs: &Glyphs) -> String {
     let Glyphs { zero, not_finite, places, scale, .. } = glyphs;
     let drawn = glyphs.list.len();
     let mut text = format!(

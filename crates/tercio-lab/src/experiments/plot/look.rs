@@ -99,7 +99,7 @@ impl Look<'_> {
         self.push_stroke(shapes, &[foot, top]);
     }
 
-    /// What it can be told from others by: the numbers of its colour, symbol and dashes, and whether it is published.
+    /// What distinguishes it from others: the numbers of its colour, symbol and dashes, and whether it is published.
     #[cfg(test)]
     pub fn traits(&self) -> (usize, Option<usize>, Option<usize>, bool) {
         let symbol = self.has_symbols().then(|| kind(self.number));

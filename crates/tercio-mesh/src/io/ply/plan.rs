@@ -282,15 +282,15 @@ fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
 /// Warnings about ignored items: the first few by name, the others as a number.
 #[derive(Default)]
 struct Ignored {
-    told: usize,
+    reported: usize,
     more: u64,
 }
 
 impl Ignored {
     fn warn(&mut self, warnings: &mut Vec<String>, text: impl FnOnce() -> String) {
         const MOST: usize = 8;
-        if self.told < MOST {
-            self.told += 1;
+        if self.reported < MOST {
+            self.reported += 1;
             warnings.push(text());
         } else {
             self.more += 1;
