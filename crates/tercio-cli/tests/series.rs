@@ -186,9 +186,11 @@ fn a_series_that_was_killed_is_resumed() {
 #[test]
 fn a_resumed_series_draws_again_what_is_older_than_its_inputs() {
     let place = Place::new();
+    // From a second ago: files get the time of the system's last tick, which is before now.
     let later = |name: &str, seconds: u64| {
         let file = std::fs::File::options().append(true).open(place.path(name)).unwrap();
-        file.set_modified(std::time::SystemTime::now() + Duration::from_secs(seconds)).unwrap();
+        let now = std::time::SystemTime::now() - Duration::from_secs(1);
+        file.set_modified(now + Duration::from_secs(seconds)).unwrap();
     };
     let found = |run: &str| {
         let stats = place.run(&format!("{run} {SMALL} --resume --stats -")).ok_silently();

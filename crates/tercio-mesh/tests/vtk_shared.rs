@@ -152,7 +152,7 @@ fn broken_files_give_clear_errors() {
         (BROKEN[0].0, "line 31: expected a vertex number from 0 to 21, found 999999"),
         (BROKEN[1].0, "line 5: expected DATASET and the kind of data set, found \"POINTS\""),
         (BROKEN[2].0, "expected 6000000000 numbers of the points, found"),
-        (BROKEN[5].0, "points, of which the piece of line"),
+        (BROKEN[5].0, "points, as stated by the piece of line"),
     ] {
         let error = read_checked(&data.join(name)).expect_err(name).to_string();
         assert!(error.contains(expected), "{error}");
