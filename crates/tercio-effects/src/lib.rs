@@ -15,7 +15,7 @@
 //! use tercio_scene::Scene;
 //!
 //! let mesh = builtin::make("builtin:teapot@5k")?;
-//! let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()).into());
+//! let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()));
 //! let settings = Settings { outputs: AmbientOcclusion::NEEDED, ..Settings::new(160, 120) };
 //! let camera = settings.framing().camera_for_scene(&scene);
 //! let mut frame = Renderer::new().render(&scene, &camera, &settings)?;
