@@ -198,9 +198,9 @@ fn look(scene: &Scene) -> String {
     let of_instance = |i: &Instance| {
         // The sides of all triangles would be a long text.
         let edges = i.edges.as_ref().map(|edges| {
-            let SurfaceEdges { color, width, sides, fourths } = &**edges;
-            let fourths = fourths.as_ref().map(|all| checksum::of(bytemuck::cast_slice(all)));
-            (color, width, sides.as_ref().map(|sides| checksum::of(sides)), fourths)
+            let SurfaceEdges { color, opacity, width, sides, beyond } = &**edges;
+            let beyond = (beyond.triangles(), checksum::of(bytemuck::cast_slice(beyond.numbers())));
+            (color, opacity, width, sides.as_ref().map(|sides| checksum::of(sides)), beyond)
         });
         let of_mesh = i.materials.as_ref().map(|materials| {
             let numbers = 0..i.mesh.materials.len() as u32;

@@ -47,22 +47,25 @@ pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
         if let Some(c) = edges.color.iter().find(|c| !(0.0..=1.0).contains(*c)) {
             return fail("colour of edges", "0 to 1", c.to_string());
         }
+        if !(0.0..=1.0).contains(&edges.opacity) {
+            return fail("opacity of edges", "0 to 1", edges.opacity.to_string());
+        }
         let triangles = instance.mesh.triangle_count();
-        let lengths = [edges.sides.as_ref().map(Vec::len), edges.fourths.as_ref().map(Vec::len)];
+        let lengths = [edges.sides.as_ref().map(Vec::len), edges.beyond.triangles()];
         for length in lengths.into_iter().flatten() {
             if length != triangles || instance.share.is_some() {
                 let range = format!("{triangles}, the triangles of a whole mesh");
                 return fail("number of triangles with edges", &range, length.to_string());
             }
         }
-        let places = edges.fourths.as_deref().unwrap_or_default().as_flattened();
+        let places = edges.beyond.numbers();
         // Bits of numbers are in the order of the numbers, those with a sign above all others. This is quick, and nearly always all.
         let greatest = places.iter().map(|place| place.to_bits()).fold(0, u32::max);
         let is_wrong = |place: &&f32| !(place.is_finite() && **place >= 0.0);
         if greatest >= f32::INFINITY.to_bits()
             && let Some(place) = places.iter().find(is_wrong)
         {
-            return fail("fourth corner of a quadrilateral", "0 or above and finite", place.to_string());
+            return fail("place of an edge beyond a side", "0 or above and finite", place.to_string());
         }
     }
     Ok(())

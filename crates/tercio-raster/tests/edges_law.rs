@@ -5,6 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
+use tercio_mesh::edges::Beyond;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh};
 use tercio_raster::{
     Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, reference,
@@ -23,16 +24,20 @@ fn some_sides(mesh: &Mesh, seed: u64) -> Option<Vec<u8>> {
     Some(mesh.triangles.iter().map(|_| random.between(0.0, 8.0) as u8).collect())
 }
 
-/// Any fourth corners for the triangles of a mesh.
-fn some_fourths(mesh: &Mesh, seed: u64) -> Option<Vec<[f32; 2]>> {
+/// Any places of edges beyond the sides of the triangles of a mesh: of quadrilaterals, or of polygons.
+fn some_beyond(mesh: &Mesh, seed: u64, of_polygons: bool) -> Beyond {
     let mut random = Random(seed);
     let mut value = || if random.next() < 0.3 { 0.0 } else { random.between(0.01, 4.0) as f32 };
-    Some(mesh.triangles.iter().map(|_| [value(), value()]).collect())
+    let mut pair = || [value(), value()];
+    match of_polygons {
+        false => Beyond::Quadrilaterals(mesh.triangles.iter().map(|_| pair()).collect()),
+        true => Beyond::Polygons(mesh.triangles.iter().map(|_| [pair(), pair(), pair()]).collect()),
+    }
 }
 
-fn with_fourths(mut scene: Scene, fourths: Option<Vec<[f32; 2]>>) -> Scene {
+fn with_beyond(mut scene: Scene, beyond: Beyond, opacity: f32) -> Scene {
     let edges = scene.instances[0].edges.as_ref().expect("edges");
-    scene.instances[0].edges = Some(Arc::new(SurfaceEdges { fourths, ..(**edges).clone() }));
+    scene.instances[0].edges = Some(Arc::new(SurfaceEdges { beyond, opacity, ..(**edges).clone() }));
     scene
 }
 
@@ -49,14 +54,14 @@ fn colors_only(width: u32, height: u32) -> Settings {
 #[test]
 fn every_shading_and_sampling() {
     let mesh = soup(1_500, 1);
-    let fourths = some_fourths(&mesh, 8);
-    for (sides, fourths, width) in [
-        (None, None, 1.0),
-        (some_sides(&mesh, 2), None, 2.5),
-        (None, None, 0.4),
-        (some_sides(&mesh, 2), fourths, 1.5),
+    for (sides, beyond, opacity, width) in [
+        (None, Beyond::Nothing, 1.0, 1.0),
+        (some_sides(&mesh, 2), Beyond::Nothing, 0.4, 2.5),
+        (None, Beyond::Nothing, 1.0, 0.4),
+        (some_sides(&mesh, 2), some_beyond(&mesh, 8, false), 1.0, 1.5),
+        (some_sides(&mesh, 2), some_beyond(&mesh, 9, true), 0.7, 1.5),
     ] {
-        let mut scene = with_fourths(edged(&mesh, width, sides), fourths);
+        let mut scene = with_beyond(edged(&mesh, width, sides), beyond, opacity);
         scene.lights.push(Light::headlight([3.0, 0.2, 0.4]));
         for shading in [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit, Shading::Physical] {
             let settings = Settings { shading, ..everything(60, 44) };
@@ -100,15 +105,17 @@ fn the_fastest_kernels() {
     for (number, data) in data.into_iter().enumerate() {
         let mut scene = scene(&mesh);
         scene.instances[0].data = data;
-        for (edges, fourths) in [
-            (None, None),
-            (Some(None), None),
-            (Some(some_sides(&mesh, 3)), None),
-            (Some(some_sides(&mesh, 3)), some_fourths(&mesh, 4)),
-            (Some(None), some_fourths(&mesh, 5)),
+        for (edges, beyond) in [
+            (None, Beyond::Nothing),
+            (Some(None), Beyond::Nothing),
+            (Some(some_sides(&mesh, 3)), Beyond::Nothing),
+            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 4, false)),
+            (Some(None), some_beyond(&mesh, 5, false)),
+            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 6, true)),
+            (Some(None), some_beyond(&mesh, 7, true)),
         ] {
             let what = format!("data {number}, edges {:?}", edges.as_ref().map(Option::is_some));
-            let black = |sides| SurfaceEdges { fourths, ..SurfaceEdges::new([0, 0, 0], 1.0, sides) };
+            let black = |sides| SurfaceEdges { beyond, ..SurfaceEdges::new([0, 0, 0], 1.0, sides) };
             scene.instances[0].edges = edges.map(|sides| Arc::new(black(sides)));
             check_all(&mesh, &scene, &camera(), &colors_only(90, 70), &what);
             let is_plain = number == 0 && scene.instances[0].edges.is_none();
@@ -126,9 +133,11 @@ fn what_is_clipped_and_translucent_and_other_instances() {
     let mut scene = with_second_instance(edged(&mesh, 1.5, some_sides(&mesh, 6)));
     check_all(&mesh, &scene, &inside, &everything(71, 57), "inside");
     check_all(&mesh, &scene, &inside, &colors_only(50, 40), "inside, samples");
-    let quads = with_fourths(scene.clone(), some_fourths(&mesh, 7));
-    check_all(&mesh, &quads, &inside, &everything(71, 57), "inside, quadrilaterals");
-    check_all(&mesh, &quads, &flat, &colors_only(50, 40), "flat, quadrilaterals");
+    for of_polygons in [false, true] {
+        let other = with_beyond(scene.clone(), some_beyond(&mesh, 7, of_polygons), 0.5);
+        check_all(&mesh, &other, &inside, &everything(71, 57), &format!("inside, polygons: {of_polygons}"));
+        check_all(&mesh, &other, &flat, &colors_only(50, 40), &format!("flat, polygons: {of_polygons}"));
+    }
     scene.instances[1].edges = None;
     scene.instances[0].surface.opacity = 0.6;
     check_all(&mesh, &scene, &flat, &everything(60, 44), "two instances");
@@ -152,16 +161,22 @@ fn other_planes_are_those_without_edges() {
 fn edges_that_cannot_be_are_refused() {
     let mesh = soup(10, 9);
     let black = || SurfaceEdges::new([0; 3], 1.0, None);
-    let last_fourth = |place: f32| {
-        let mut fourths = vec![[f32::MAX, -0.0]; 10];
-        fourths[9][1] = place;
-        SurfaceEdges { fourths: Some(fourths), ..black() }
+    let last_place = |place: f32, of_polygons: bool| {
+        let mut places = vec![[f32::MAX, -0.0]; 10];
+        places[9][1] = place;
+        let beyond = match of_polygons {
+            false => Beyond::Quadrilaterals(places),
+            true => Beyond::Polygons(places.into_iter().map(|place| [[0.0; 2], [1.0; 2], place]).collect()),
+        };
+        SurfaceEdges { beyond, ..black() }
     };
-    let wrong_fourths = [-f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -f32::NAN]
-        .map(|place| (last_fourth(place), "fourth corner of a quadrilateral"));
+    let wrong_places = [-f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -f32::NAN]
+        .into_iter()
+        .flat_map(|place| [false, true].map(|of_polygons| last_place(place, of_polygons)))
+        .map(|edges| (edges, "place of an edge beyond a side"));
     for place in [0.0, -0.0, f32::MAX] {
         let mut scene = scene(&mesh);
-        scene.instances[0].edges = Some(Arc::new(last_fourth(place)));
+        scene.instances[0].edges = Some(Arc::new(last_place(place, true)));
         Renderer::new().render(&scene, &camera(), &everything(10, 10)).expect("right places");
     }
     for (edges, wrong) in [
@@ -171,14 +186,19 @@ fn edges_that_cannot_be_are_refused() {
         (SurfaceEdges { color: [0.0, 1.5, 0.0], ..black() }, "colour of edges"),
         (SurfaceEdges { color: [f32::NAN, 0.0, 0.0], ..black() }, "colour of edges"),
         (SurfaceEdges { sides: Some(vec![7; 9]), ..black() }, "number of triangles with edges"),
-        (SurfaceEdges { fourths: Some(vec![[1.0; 2]; 9]), ..black() }, "number of triangles with edges"),
+        (SurfaceEdges { opacity: 1.5, ..black() }, "opacity of edges"),
+        (SurfaceEdges { opacity: f32::NAN, ..black() }, "opacity of edges"),
         (
-            SurfaceEdges { fourths: Some(vec![[1.0, -0.5]; 10]), ..black() },
-            "fourth corner of a quadrilateral",
+            SurfaceEdges { beyond: Beyond::Quadrilaterals(vec![[1.0; 2]; 9]), ..black() },
+            "number of triangles with edges",
+        ),
+        (
+            SurfaceEdges { beyond: Beyond::Polygons(vec![[[1.0; 2]; 3]; 11]), ..black() },
+            "number of triangles with edges",
         ),
     ]
     .into_iter()
-    .chain(wrong_fourths)
+    .chain(wrong_places)
     {
         let mut scene = scene(&mesh);
         scene.instances[0].edges = Some(Arc::new(edges));

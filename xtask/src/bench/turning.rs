@@ -37,6 +37,8 @@ pub const SUBJECTS: [Subject; 4] = [
 const SCALING: f64 = 1.85;
 /// Lower limit of the speed of the partition with two threads, million triangles a second.
 const PARTITION: f64 = 30.0;
+/// Upper limit of the frame time at AVX2, divided by that at AVX-512.
+const AVX2: f64 = 1.7;
 /// Upper limit of the bytes of positions and connectivity per triangle.
 const BYTES_A_TRIANGLE: f64 = 16.0;
 
@@ -48,10 +50,11 @@ const LLVMPIPE: Program = Program::Llvmpipe { cull_back: false };
 const LLVMPIPE_CULLED: Program = Program::Llvmpipe { cull_back: true };
 
 /// The columns of the table, in the order of a turn.
-const PROGRAMS: [Program; 9] = [
+const PROGRAMS: [Program; 10] = [
     TERCIO,
     ALONE,
     Program::TercioPlain,
+    Program::TercioAvx2,
     TERCIO_CULLED,
     ALONE_CULLED,
     Program::Floor,
@@ -173,6 +176,9 @@ fn bars(all: &[Turns], report: &mut Report) -> Result<()> {
         }
         if let Some(embree) = turns.of(Program::Embree) {
             report.judge(title, "Embree / tercio", ratio(embree, ours), Bar::Least(1.0));
+        }
+        if let Some(avx2) = turns.of(Program::TercioAvx2) {
+            report.judge(title, "AVX2 / AVX-512", ratio(avx2, ours), Bar::Most(AVX2));
         }
         if subject.scales {
             report.judge(title, "one thread / two threads", ratio(alone, ours), Bar::Least(SCALING));

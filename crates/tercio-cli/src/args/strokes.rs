@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tercio::glyphs::{GlyphOptions, GlyphShape};
 use tercio::mesh::ClusteredMesh;
 use tercio::mesh::color::srgb_bytes;
-use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
+use tercio::mesh::edges::{Beyond, Edge, EdgeKind, Edges, Selection};
 use tercio::mesh::strokes::Strokes;
 use tercio::scene::{Background, Surface, SurfaceEdges, srgb_to_linear};
 use tercio::strokes::{EdgePart, Length, LineShape, Pen, PointShape};
@@ -100,8 +100,8 @@ pub struct StrokeArgs {
     #[arg(long, alias = "style", value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
-    /// Several with commas: --edges=feature,silhouette. All edges of triangles and flat quadrilaterals, opaque and at most 4 pixels wide, are shaded with
-    /// the surface, which is quick; others are strips in front of it.
+    /// Several with commas: --edges=feature,silhouette. All edges of polygons, at most 4 pixels wide, are shaded with a surface
+    /// that is opaque, which is quick; others are strips in front of it.
     #[arg(long, alias = "show-edges", value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
     edges: Option<Vec<EdgesName>>,
@@ -305,22 +305,18 @@ impl StrokeArgs {
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
-    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque, of triangles and
-    /// flat quadrilaterals. Not those of polygons with more corners: a triangle draws the lines along its own sides and those of the
-    /// other half of a quadrilateral, and one that is narrower than a line would cut off the others.
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines.
     pub fn on_surface(&self, edges: &Edges) -> Option<SurfaceEdges> {
-        let Pen { width: Length::Pixels(width), color: [r, g, b, 0xff] } = self.edge_pen() else {
+        let Pen { width: Length::Pixels(width), color: [r, g, b, alpha] } = self.edge_pen() else {
             return None;
         };
-        let is_shaded = matches!(self.mode, ModeName::Surface | ModeName::Contours);
         let is_thin = self.line_shape == LineName::Flat && width <= WIDEST_ON_SURFACE;
-        if !is_shaded || !is_thin || self.plain() != Some(EdgesName::All) {
+        if !self.has_surface() || !is_thin || self.plain() != Some(EdgesName::All) {
             return None;
         }
-        let fourths = edges.fourths.as_ref()?;
-        let has_quads = !fourths.is_empty();
-        let lines = SurfaceEdges::new([r, g, b], width as f32, has_quads.then(|| edges.sides.clone()));
-        Some(SurfaceEdges { fourths: has_quads.then(|| fourths.clone()), ..lines })
+        let has_polygons = edges.beyond != Beyond::Nothing;
+        let lines = SurfaceEdges::new([r, g, b], width as f32, has_polygons.then(|| edges.sides.clone()));
+        Some(SurfaceEdges { opacity: f32::from(alpha) / 255.0, beyond: edges.beyond.clone(), ..lines })
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour; `is_darkened` if an

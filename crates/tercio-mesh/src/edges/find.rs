@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::loops::prelude::*;
 
-use super::quads::{self, Joined};
+use super::polygons::{self, Joined};
 use super::{Edge, EdgeKind, Edges, Selection, bend, normals_beside};
 use crate::Mesh;
 use crate::adjacency::Adjacency;
@@ -95,20 +95,15 @@ pub fn edges(
     let is_solid = open == 0 && !mesh.triangles.is_empty();
     let sides: Vec<u8> = sides.into_iter().map(AtomicU8::into_inner).collect();
     let corners = |t: u32| turned(mesh.triangles[t as usize]);
-    let is_proper = |t: usize| {
-        let [a, b, c] = corners(t as u32).map(|v| same[v as usize]);
-        a != b && b != c && c != a
-    };
     let at = |t: u32, corner: u8| {
         glam::DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
     };
-    let is_of_all = selection == Selection::All;
-    let fourths = is_of_all.then(|| quads::fourths(&sides, &joined, is_proper, at)).flatten();
+    let beyond = polygons::beyond(&sides, &joined, at);
     let bounds = positions
         .iter()
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], &p| [min.min(p.into()), max.max(p.into())]);
     let (origin, exponent, cones) = (mesh.origin, mesh.exponent, Default::default());
-    Edges { origin, exponent, positions, list, sides, fourths, is_solid, bounds, cones }
+    Edges { origin, exponent, positions, list, sides, beyond, is_solid, bounds, cones }
 }
 
 struct Finder<'a, F, T> {

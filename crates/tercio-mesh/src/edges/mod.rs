@@ -6,7 +6,7 @@
 //! mesh is split into clusters, nor on the number of threads.
 
 mod find;
-mod quads;
+mod polygons;
 mod silhouettes;
 mod sources;
 
@@ -60,6 +60,46 @@ impl Edge {
     pub const NONE: u32 = u32::MAX;
 }
 
+/// The edges of polygons of several triangles that are no sides of a triangle, but begin at its corners: where they are in its
+/// plane. Numbers of corners and sides are those of the [canonical](Mesh::canonical) triangles.
+///
+/// Each is a number for an end of a side that is no edge: with p the corner opposite to the side, q the next one and r the one after
+/// that, the first of two numbers a and b means the line from r on which a times the barycentric coordinate of p is minus
+/// that of q, and the second one the line from q on which b times that of p is minus that of r. The triangles between the side and
+/// the edge are turned about their common sides into the plane for that. 0 means that there is none, that it does not reach the
+/// triangle because of a reflex angle, or that two of these triangles are bent by 90 degrees or more.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Beyond {
+    /// All polygons are triangles.
+    #[default]
+    Nothing,
+    /// No polygon has more than four corners: the numbers of the only side of each triangle that is no edge. The point
+    /// (a q - p + b r) / (a + b - 1) is the fourth corner.
+    Quadrilaterals(Vec<[f32; 2]>),
+    /// For each triangle the numbers of its sides, each opposite to the corner of that number.
+    Polygons(Vec<[[f32; 2]; 3]>),
+}
+
+impl Beyond {
+    /// All numbers, triangle by triangle.
+    pub fn numbers(&self) -> &[f32] {
+        match self {
+            Self::Nothing => &[],
+            Self::Quadrilaterals(all) => all.as_flattened(),
+            Self::Polygons(all) => all.as_flattened().as_flattened(),
+        }
+    }
+
+    /// For how many triangles there are numbers; `None` if there are none for any.
+    pub fn triangles(&self) -> Option<usize> {
+        match self {
+            Self::Nothing => None,
+            Self::Quadrilaterals(all) => Some(all.len()),
+            Self::Polygons(all) => Some(all.len()),
+        }
+    }
+}
+
 /// Edges with vertices of their own.
 #[derive(Clone, Debug, Default)]
 pub struct Edges {
@@ -74,12 +114,8 @@ pub struct Edges {
     /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
     pub sides: Vec<u8>,
-    /// For each triangle that is half of a quadrilateral, where its fourth corner is; found if all edges are selected, no polygon
-    /// has more than four corners, and all are flat up to a degree. With p the corner opposite to the side that is no edge, q the next one and r the one after that,
-    /// the values a and b mean the point (a q - p + b r) / (a + b - 1): barycentric coordinates, after the other half
-    /// is turned about the diagonal into the plane of this one. Not above 0 is the one of a reflex angle, which is given as 0. Empty
-    /// if all polygons are triangles.
-    pub fourths: Option<Vec<[f32; 2]>>,
+    /// If all edges are selected, where those of a polygon are, seen from each of its triangles.
+    pub beyond: Beyond,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
@@ -107,8 +143,9 @@ impl Edges {
     pub fn needed_bytes(mesh: &ClusteredMesh) -> u64 {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
-        // of a closed mesh three for two triangles, of a soup three a triangle. Cones take less than what is gone then.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 9 + 9)
+        // of a closed mesh three for two triangles, of a soup three a triangle; sides, their twins, and what is beyond them.
+        // Cones take less than what is gone then.
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1 + 24 + 24)
     }
 
     /// Position of a vertex in object space.

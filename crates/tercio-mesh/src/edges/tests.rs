@@ -131,54 +131,142 @@ fn the_fourth_corner_of_each_half_is_where_the_other_half_has_it() {
         let mesh = quads(&[trapezium]);
         let edges = Edges::of_mesh(&mesh, Selection::All);
         let clustered = partition(mesh.clone(), &PartitionOptions::default());
-        let fourths = edges.fourths.expect("a quadrilateral");
-        assert_eq!(Edges::of_clusters(&clustered, Selection::All).fourths.as_ref(), Some(&fourths));
+        assert_eq!(Edges::of_clusters(&clustered, Selection::All).beyond, edges.beyond);
+        let Beyond::Quadrilaterals(places) = edges.beyond else { panic!("a quadrilateral") };
         for (t, other) in [(0, 3), (1, 1)] {
             let corners = Mesh::canonical(mesh.triangles[t]);
             let apex = (0..3).find(|k| edges.sides[t] >> k & 1 == 0).expect("a diagonal");
             let at = |k: usize| DVec3::from(mesh.positions[corners[(apex + k) % 3] as usize].map(f64::from));
-            let [a, b] = fourths[t].map(f64::from);
+            let [a, b] = places[t].map(f64::from);
             let found = (a * at(1) - at(0) + b * at(2)) / (a + b - 1.0);
             let expected = DVec3::from(mesh.positions[other].map(f64::from));
             assert!(found.distance(expected) < 1e-5, "{turned} {t}: {found}, expected {expected}");
         }
     }
-    assert!(Edges::of_mesh(&cube(), Selection::All).fourths.expect("squares").iter().all(|f| *f == [1.0; 2]));
-    assert_eq!(Edges::of_mesh(&cube(), Selection::Feature(0.5)).fourths, None);
-    // Bent by half a degree, and by two.
+    assert_eq!(Edges::of_mesh(&cube(), Selection::All).beyond, Beyond::Quadrilaterals(vec![[1.0; 2]; 12]));
+    assert_eq!(Edges::of_mesh(&cube(), Selection::Feature(0.5)).beyond, Beyond::Nothing);
+    // Bent at the diagonal.
     let bent = |degrees: f64| {
         let (y, z) = degrees.to_radians().sin_cos();
         let raised = [1.0, z as f32, y as f32];
-        quads(&[[[0.0; 3], [1.0, -1.0, 0.0], [2.0, 0.0, 0.0], raised]])
+        let mesh = quads(&[[[0.0; 3], [1.0, -1.0, 0.0], [2.0, 0.0, 0.0], raised]]);
+        Edges::of_mesh(&mesh, Selection::All).beyond
     };
-    let fourths = Edges::of_mesh(&bent(0.5), Selection::All).fourths.expect("a flat quadrilateral");
-    assert!(fourths.as_flattened().iter().all(|c| (c - 1.0).abs() < 1e-6), "{fourths:?}");
-    assert_eq!(Edges::of_mesh(&bent(2.0), Selection::All).fourths, None);
-    assert_eq!(Edges::of_mesh(&bent(179.0), Selection::All).fourths, None);
+    for degrees in [0.5, 2.0, 45.0, 89.0] {
+        let places = bent(degrees);
+        assert!(places.numbers().iter().all(|c| (c - 1.0).abs() < 1e-6), "{degrees}: {places:?}");
+    }
+    for degrees in [91.0, 179.0, 180.0] {
+        assert_eq!(bent(degrees), Beyond::Quadrilaterals(vec![[0.0; 2]; 2]), "{degrees}");
+    }
+}
+
+/// A polygon with these corners, of triangles at the first one, or in a strip.
+fn polygon(corners: &[[f32; 3]], is_fan: bool) -> Mesh {
+    let n = corners.len() as u32;
+    let triangle = |t: u32| match is_fan {
+        true => [0, t + 1, t + 2],
+        false if t % 2 == 0 => [t / 2, t / 2 + 1, n - 1 - t / 2],
+        false => [t / 2 + 1, n - 2 - t / 2, n - 1 - t / 2],
+    };
+    let triangles: Vec<_> = (0..n - 2).map(triangle).collect();
+    let face_of_triangle = Some(vec![0; triangles.len()]);
+    Mesh { positions: corners.to_vec(), triangles, face_of_triangle, ..Mesh::default() }
+}
+
+/// Of each triangle of a polygon, the edges at the ends of a side that is none: their other ends are on the lines that the
+/// numbers mean.
+#[test]
+fn places_are_on_the_edges_of_the_polygon() {
+    let convex = [[0.0, 0.0], [3.0, -1.0], [5.0, 1.0], [5.5, 4.0], [3.0, 6.0], [-0.5, 4.5], [-1.0, 2.0]];
+    // Corner 3 is reflex.
+    let reflex = [[0.0, 0.0], [6.0, 0.0], [6.0, 4.0], [3.0, 2.5], [0.0, 4.0]];
+    let lift = |[x, y]: [f32; 2]| [x, y, 0.25 * x + 0.5 * y];
+    let cases = [
+        (convex.map(lift).to_vec(), true),
+        (convex.map(lift).to_vec(), false),
+        (reflex.map(lift).to_vec(), true),
+    ];
+    for (corners, is_fan) in cases {
+        let n = corners.len();
+        let mesh = polygon(&corners, is_fan);
+        let edges = Edges::of_mesh(&mesh, Selection::All);
+        let clustered = partition(mesh.clone(), &PartitionOptions { max_triangles: 2, ..Default::default() });
+        assert_eq!(Edges::of_clusters(&clustered, Selection::All).beyond, edges.beyond);
+        let Beyond::Polygons(places) = &edges.beyond else { panic!("a polygon") };
+        let (mut count, mut reflex) = (0, 0);
+        for (t, &triangle) in mesh.triangles.iter().enumerate() {
+            let c = Mesh::canonical(triangle).map(|v| v as usize);
+            for k in 0..3 {
+                let (p, q, r) = (c[k], c[(k + 1) % 3], c[(k + 2) % 3]);
+                if edges.sides[t] >> k & 1 == 1 {
+                    assert_eq!(places[t][k], [0.0; 2], "a side that is an edge");
+                    continue;
+                }
+                for (place, pivot, beside) in [(places[t][k][0], r, q), (places[t][k][1], q, r)] {
+                    // The edge at the pivot that is on the other side.
+                    let at = |v: usize| DVec3::from(corners[v].map(f64::from));
+                    let normal = (at(q) - at(p)).cross(at(r) - at(p));
+                    let outwards = (at(r) - at(q)).cross(normal);
+                    let ends = [(pivot + 1) % n, (pivot + n - 1) % n];
+                    let end =
+                        *ends.iter().find(|&&v| outwards.dot(at(v) - at(pivot)) > 1e-9).expect("one beyond");
+                    // Barycentric coordinates of its end, times the same.
+                    let weight = |a: usize, b: usize| normal.dot((at(b) - at(a)).cross(at(end) - at(a)));
+                    let of_p = weight(q, r);
+                    let of_beside = if beside == q { weight(r, p) } else { weight(p, q) };
+                    let expected = -of_beside / of_p;
+                    let place = f64::from(place);
+                    assert!(
+                        (place - expected.max(0.0)).abs() < 1e-5 * expected.abs().max(1.0),
+                        "{t} {k}: {place}, expected {expected}"
+                    );
+                    count += 1;
+                    reflex += u32::from(expected < 0.0);
+                }
+            }
+        }
+        assert_eq!(count, 4 * (n - 3), "two at each side of a diagonal");
+        assert_eq!(reflex > 0, n == 5, "edges at the reflex corner do not reach over the diagonal");
+    }
 }
 
 #[test]
-fn only_quadrilaterals_have_fourth_corners() {
-    let fourths = |mesh: &Mesh| Edges::of_mesh(mesh, Selection::All).fourths;
+fn only_polygons_have_edges_beyond_sides() {
+    let beyond = |mesh: &Mesh| Edges::of_mesh(mesh, Selection::All).beyond;
     // With a reflex angle at corner 0, whose sides are 0-1 of the first half and 3-0 of the second.
     let dart = quads(&[[[0.0, 0.2, 0.0], [2.0, -1.0, 0.0], [0.0, 3.0, 0.0], [-2.0, -1.0, 0.0]]]);
-    for half in fourths(&dart).expect("a quadrilateral") {
+    let Beyond::Quadrilaterals(halves) = beyond(&dart) else { panic!("a quadrilateral") };
+    for half in halves {
         assert!(half.contains(&0.0) && half.iter().any(|c| *c > 0.0), "{half:?}");
     }
     // Triangles have none, also beside one that is none.
     let mut triangles = cube();
     triangles.face_of_triangle = None;
-    assert_eq!(fourths(&triangles), Some(Vec::new()));
+    assert_eq!(beyond(&triangles), Beyond::Nothing);
     triangles.triangles.push([1, 1, 2]);
-    assert_eq!(fourths(&triangles), Some(Vec::new()));
-    // A pentagon.
-    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 1.0, 0.0]];
-    let mut pentagon =
-        Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]], ..Mesh::default() };
-    pentagon.face_of_triangle = Some(vec![0; 3]);
-    assert_eq!(fourths(&pentagon), None);
+    assert_eq!(beyond(&triangles), Beyond::Nothing);
     // A quadrilateral and a triangle.
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 1.0, 0.0]];
+    let mut pentagon = polygon(&corners, true);
     pentagon.face_of_triangle = Some(vec![0, 0, 1]);
-    let mixed = fourths(&pentagon).expect("at most four corners");
+    let Beyond::Quadrilaterals(mixed) = beyond(&pentagon) else { panic!("at most four corners") };
     assert!(mixed[..2].iter().all(|f| *f != [0.0; 2]) && mixed[2] == [0.0; 2], "{mixed:?}");
+    // Triangles that run against each other, and a corner in the middle of a polygon.
+    let mut turned = polygon(&corners, true);
+    let straight = beyond(&turned);
+    turned.triangles[1].swap(1, 2);
+    let (a, b) = (straight.numbers(), beyond(&turned));
+    let sorted = |numbers: &[f32]| {
+        let mut sorted: Vec<_> = numbers.iter().map(|c| (c * 1e5).round()).collect();
+        sorted.sort_by(f32::total_cmp);
+        sorted
+    };
+    assert_eq!(sorted(a), sorted(b.numbers()));
+    let mut around =
+        polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], true);
+    around.triangles.push([0, 4, 1]);
+    around.face_of_triangle = Some(vec![0; 4]);
+    let Beyond::Polygons(numbers) = beyond(&around) else { panic!("a polygon") };
+    assert!(numbers.iter().flatten().all(|pair| pair.contains(&0.0)), "{numbers:?}");
 }

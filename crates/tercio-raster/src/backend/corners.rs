@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
+use tercio_mesh::edges::Beyond;
 use tercio_mesh::{AttributeDomain, ClusteredMesh, Mesh};
 use tercio_scene::{Instance, Surface, SurfaceData, SurfaceEdges};
 
@@ -178,7 +179,7 @@ pub fn numbers_for_edges(
     triangles: &[u8; LANES],
 ) -> [u32; LANES] {
     match instance.edges.as_deref() {
-        None | Some(SurfaceEdges { sides: None, fourths: None, .. }) => [0; LANES],
+        None | Some(SurfaceEdges { sides: None, beyond: Beyond::Nothing, .. }) => [0; LANES],
         Some(_) => cluster.primitives_of(triangles),
     }
 }
@@ -217,7 +218,7 @@ pub struct Corners<S: Simd> {
     pub has_uv: bool,
     /// Scene-wide materials, or [`NO_MATERIAL`].
     pub material: [u32; LANES],
-    /// The numbers of the triangles in their mesh; valid only if the instance has edges of some sides or quadrilaterals.
+    /// The numbers of the triangles in their mesh; valid only if the instance has edges of some sides or polygons.
     pub numbers: [u32; LANES],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).

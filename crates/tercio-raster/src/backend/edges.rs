@@ -5,8 +5,9 @@
 //! areas that interpolate (twice the area between the point and a side is the value of the side's edge function), divided by
 //! the lengths of their gradients. They follow from the corners of the triangle alone, so the picture law holds, and nothing
 //! is drawn that could be hidden or could flicker. Both triangles at a side draw half of its line; at a silhouette and at a
-//! border, there is one half only, unless strips (`tercio::strokes`) complete it. The line of a quadrilateral's side reaches over the
-//! diagonal, where that is near: each half draws those of the other half, too, whose edge functions are combinations of its own.
+//! border, there is one half only, unless strips (`tercio::strokes`) complete it. The line of a polygon's side reaches over
+//! the diagonals, where these are near: each triangle draws, besides its own, those that begin at its corners, whose edge functions
+//! are combinations of its own.
 //!
 //! A line covers a point's footprint by the share of the footprint's extent across the line that it covers. The footprint is a
 //! pixel, or the part of it that the triangle covers: if a side cuts the pixel, the middle of that part, where it is shaded, is
@@ -17,6 +18,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use tercio_mesh::edges::Beyond;
 use tercio_scene::SurfaceEdges;
 
 use super::corners::{Corners, Fragments};
@@ -79,24 +81,49 @@ fn blend<S: Simd>(
                 let is_side = !(sides & (1 << k)).simd_eq(splat_i(simd, 0));
                 nearest.add([area[k], slopes[0][k], slopes[1][k]], [x, y], is_side);
             }
-            if let Some(fourths) = &edges.fourths {
-                let (mut places, mut apexes) = ([[0.0; LANES]; 2], [0; LANES]);
-                for lane in 0..LANES {
-                    let [first, second] = fourths[numbers[lane] as usize];
-                    (places[0][lane], places[1][lane]) = (first, second);
-                    apexes[lane] = apex_of(bits[lane] as u8) as i32;
+            let functions = [area, &slopes[0], &slopes[1]];
+            match &edges.beyond {
+                Beyond::Nothing => {}
+                Beyond::Quadrilaterals(all) => {
+                    let (mut places, mut apexes) = ([[0.0; LANES]; 2], [0; LANES]);
+                    for lane in 0..LANES {
+                        let [first, second] = all[numbers[lane] as usize];
+                        (places[0][lane], places[1][lane]) = (first, second);
+                        apexes[lane] = apex_of(bits[lane] as u8) as i32;
+                    }
+                    let apexes = i32x16::load_array_ref(simd, &apexes);
+                    let is_apex = each3!(K => apexes.simd_eq(splat_i(simd, K as i32)));
+                    let scale = scales(simd, &context.objects[instance], depths);
+                    for (n, place) in places.iter().enumerate() {
+                        let place = f32x16::load_array_ref(simd, place);
+                        let (by_apex, by_beside) =
+                            (place * after(&is_apex, &scale, 0), after(&is_apex, &scale, 1 + n));
+                        let line = each3!(K => {
+                            after(&is_apex, functions[K], 0) * by_apex
+                                + after(&is_apex, functions[K], 1 + n) * by_beside
+                        });
+                        nearest.add(line, [x, y], place.simd_gt(zero));
+                    }
                 }
-                let apexes = i32x16::load_array_ref(simd, &apexes);
-                let is_apex = each3!(K => apexes.simd_eq(splat_i(simd, K as i32)));
-                let scale = scales(simd, &context.objects[instance], depths);
-                let functions = [area, &slopes[0], &slopes[1]];
-                for (n, place) in places.iter().enumerate() {
-                    let place = f32x16::load_array_ref(simd, place);
-                    let (by_apex, by_beside) = (place * after(&is_apex, &scale, 0), after(&is_apex, &scale, 1 + n));
-                    let line = each3!(K => {
-                        after(&is_apex, functions[K], 0) * by_apex + after(&is_apex, functions[K], 1 + n) * by_beside
-                    });
-                    nearest.add(line, [x, y], place.simd_gt(zero));
+                Beyond::Polygons(all) => {
+                    let mut places = [[[0.0; LANES]; 2]; 3];
+                    for lane in 0..LANES {
+                        let of_lane = &all[numbers[lane] as usize];
+                        for k in 0..3 {
+                            (0..2).for_each(|n| places[k][n][lane] = of_lane[k][n]);
+                        }
+                    }
+                    let scale = scales(simd, &context.objects[instance], depths);
+                    for k in 0..3 {
+                        for n in 0..2 {
+                            let place = f32x16::load_array_ref(simd, &places[k][n]);
+                            let beside = (k + 1 + n) % 3;
+                            let (by_apex, by_beside) = (place * scale[k], scale[beside]);
+                            let line =
+                                each3!(K => functions[K][k] * by_apex + functions[K][beside] * by_beside);
+                            nearest.add(line, [x, y], place.simd_gt(zero));
+                        }
+                    }
                 }
             }
             let Nearest { distance: nearest, across } = nearest;
@@ -108,7 +135,7 @@ fn blend<S: Simd>(
             let covered = (width * 0.5 - nearest * PIXELS) + extent * 0.5;
             let covered = covered.simd_gt(zero).select(covered, zero);
             let most = width.simd_lt(extent).select(width, extent);
-            let cover = covered.simd_lt(most).select(covered, most) / extent;
+            let cover = covered.simd_lt(most).select(covered, most) / extent * edges.opacity;
             let shown = displayable(simd, *light);
             each3!(C => shown[C] + (splat(simd, edges.color[C]) - shown[C]) * cover)
         },

@@ -1,5 +1,6 @@
 //! Lines along the sides of a triangle, at one point of it.
 
+use tercio_mesh::edges::Beyond;
 use tercio_scene::SurfaceEdges;
 
 use super::shading::{Vec3, each, shading_distance, shown};
@@ -29,20 +30,24 @@ pub fn over(
         }
     };
     (0..3).filter(|k| sides >> k & 1 == 1).for_each(|k| line(area[k], right[k], down[k]));
-    if let Some(fourths) = &edges.fourths {
-        // The edge functions of the sides of the other half, which are linear combinations of those of this one.
-        let (apex, fourth) = (apex_of(sides), fourths[triangle]);
-        for (n, place) in fourth.into_iter().enumerate().filter(|(_, place)| *place > 0.0) {
+    // Functions of the lines beyond the side opposite to a corner, which are linear combinations of those of the sides.
+    let mut beyond = |apex: usize, places: [f32; 2]| {
+        for (n, place) in places.into_iter().enumerate().filter(|(_, place)| *place > 0.0) {
             let beside = (apex + 1 + n) % 3;
             let (by_apex, by_beside) = (place * scale[apex], scale[beside]);
             let of = |v: Vec3| v[apex] * by_apex + v[beside] * by_beside;
             line(of(area), of(right), of(down));
         }
+    };
+    match &edges.beyond {
+        Beyond::Nothing => {}
+        Beyond::Quadrilaterals(places) => beyond(apex_of(sides), places[triangle]),
+        Beyond::Polygons(places) => (0..3).for_each(|k| beyond(k, places[triangle][k])),
     }
     let Footprint { size, shrinking, least } = Footprint::new(settings, shading_distance(settings));
     let extent = (size - across * shrinking).max(least);
     let covered = (edges.width * 0.5 - nearest * PIXELS) + extent * 0.5;
-    let cover = covered.max(0.0).min(edges.width.min(extent)) / extent;
+    let cover = covered.max(0.0).min(edges.width.min(extent)) / extent * edges.opacity;
     let light = light.map(shown);
     each(|k| light[k] + (edges.color[k] - light[k]) * cover)
 }

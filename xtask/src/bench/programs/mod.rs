@@ -21,6 +21,8 @@ pub enum Program {
     Tercio { threads: u32, cull_back: bool },
     /// `tercio bench --look plain`: one light, no highlights.
     TercioPlain,
+    /// `tercio bench --simd avx2`, beside processors with AVX-512.
+    TercioAvx2,
     /// The speed floor: one core, visibility only, back faces culled.
     Floor,
     /// Mesa's llvmpipe.
@@ -41,6 +43,7 @@ impl Program {
             Self::Tercio { threads: 1, cull_back } => format!("tercio, 1 thread{}", culled(cull_back)),
             Self::Tercio { threads, cull_back } => format!("tercio, {threads} threads{}", culled(cull_back)),
             Self::TercioPlain => format!("tercio, plain look, {THREADS} threads"),
+            Self::TercioAvx2 => format!("tercio, AVX2, {THREADS} threads"),
             Self::Floor => "floor, 1 thread".into(),
             Self::Llvmpipe { cull_back } => format!("llvmpipe, {THREADS} threads{}", culled(cull_back)),
             Self::Embree => format!("Embree, {THREADS} threads"),
@@ -53,12 +56,12 @@ impl Program {
         match self {
             Self::Tercio { cull_back, .. } | Self::Llvmpipe { cull_back } => cull_back,
             Self::Floor => true,
-            Self::TercioPlain | Self::Embree | Self::Vtk => false,
+            Self::TercioPlain | Self::TercioAvx2 | Self::Embree | Self::Vtk => false,
         }
     }
 
     fn is_tercio(self) -> bool {
-        matches!(self, Self::Tercio { .. } | Self::TercioPlain)
+        matches!(self, Self::Tercio { .. } | Self::TercioPlain | Self::TercioAvx2)
     }
 }
 
@@ -102,6 +105,7 @@ impl Programs {
     pub fn available(&self, programs: &[Program]) -> Vec<Program> {
         let is_there = |program: &Program| match program {
             Program::Tercio { .. } | Program::TercioPlain => true,
+            Program::TercioAvx2 => self.simd().is_ok_and(|level| level == "avx512"),
             Program::Floor => self.floor.is_ok(),
             Program::Llvmpipe { .. } => self.llvmpipe.is_ok(),
             Program::Embree => self.embree.is_ok(),
@@ -183,6 +187,11 @@ impl Programs {
             Program::TercioPlain => {
                 let mut command = self.tercio_bench(task, THREADS);
                 command.args(["--cull", "auto", "--look", "plain"]);
+                command
+            }
+            Program::TercioAvx2 => {
+                let mut command = self.tercio_bench(task, THREADS);
+                command.args(["--cull", "auto", "--simd", "avx2"]);
                 command
             }
             Program::Floor => return floor(&path(&self.floor)?, task),

@@ -1,0 +1,109 @@
+//! Polygons of several triangles: where, seen from one of their triangles, the sides of the others are.
+
+use glam::{DVec2, DVec3};
+
+use super::{Beyond, bend, normals_beside};
+use crate::loops::prelude::*;
+
+/// Two triangles of one polygon at the side that they share: their numbers, and of each the corner from which the side runs to the
+/// next one.
+#[derive(Clone, Copy, Debug)]
+pub struct Joined {
+    pub triangles: [u32; 2],
+    pub corners: [u8; 2],
+}
+
+/// [`Edges::beyond`](super::Edges::beyond); `joined` are all sides that are no edges, `at` is the place of a corner of a triangle.
+pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + Sync) -> Beyond {
+    if joined.is_empty() {
+        return Beyond::Nothing;
+    }
+    let mut twins = vec![[NONE; 3]; sides.len()];
+    for Joined { triangles: [a, b], corners: [of_a, of_b] } in joined {
+        twins[*a as usize][usize::from(*of_a)] = Side { triangle: *b, from: *of_b };
+        twins[*b as usize][usize::from(*of_b)] = Side { triangle: *a, from: *of_a };
+    }
+    let polygons = Polygons { twins: &twins, at };
+    let triangles = (0..sides.len() as u32).into_par_iter();
+    let is_half = |t: &u32| sides[*t as usize].count_ones() == 2;
+    if joined.iter().flat_map(|pair| &pair.triangles).all(is_half) {
+        let diagonal = |t: u32| (0..3).find(|&from| twins[t as usize][usize::from(from)] != NONE);
+        let of_half = |t| diagonal(t).map_or([0.0; 2], |from| polygons.places(Side { triangle: t, from }));
+        return Beyond::Quadrilaterals(triangles.map(of_half).collect());
+    }
+    // The side opposite to a corner begins at the next corner.
+    let opposite = |t: u32, k: u8| polygons.places(Side { triangle: t, from: (k + 1) % 3 });
+    Beyond::Polygons(triangles.map(|t| [0, 1, 2].map(|k| opposite(t, k))).collect())
+}
+
+/// A side of a triangle, which runs from this corner to the next one.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Side {
+    triangle: u32,
+    from: u8,
+}
+
+/// No side.
+const NONE: Side = Side { triangle: u32::MAX, from: 0 };
+
+/// Triangles with what is on the other side of those of their sides that are no edges.
+struct Polygons<'a, F> {
+    /// By triangle, and by the corner from which its side runs.
+    twins: &'a [[Side; 3]],
+    at: F,
+}
+
+impl<F: Fn(u32, u8) -> DVec3> Polygons<'_, F> {
+    fn twin(&self, side: Side) -> Side {
+        self.twins[side.triangle as usize][usize::from(side.from)]
+    }
+
+    /// The ends of a side, and the third corner.
+    fn corners(&self, side: Side) -> [DVec3; 3] {
+        [0, 1, 2].map(|k| (self.at)(side.triangle, (side.from + k) % 3))
+    }
+
+    /// The edges of the polygon that begin at the ends of a side of a triangle and are beyond it: [`Beyond::Quadrilaterals`] has
+    /// the meaning of the values, which are 0 if the side is an edge itself.
+    fn places(&self, side: Side) -> [f32; 2] {
+        let [from, to, apex] = self.corners(side);
+        [[to, from], [from, to]].map(|[pivot, other]| {
+            let Some(turn) = self.turn(side, pivot) else { return 0.0 };
+            // With the angle of the triangle itself: the sine of the sum is not above 0 if the polygon is reflex there.
+            let both = turn.rotate(angle(pivot, other, apex));
+            let place = both.y / (turn.y * other.distance_squared(pivot));
+            if place > 0.0 && place < f64::from(f32::MAX) { place as f32 } else { 0.0 }
+        })
+    }
+
+    /// The angle at an end of a side, from the side to the next edge of the polygon beyond it, as a vector in its direction: all
+    /// triangles in between are turned about their sides into the plane of this one. `None` if there is no such edge, if the angle is
+    /// 180 degrees or more, or if two of the triangles are bent by 90 degrees or more.
+    fn turn(&self, side: Side, pivot: DVec3) -> Option<DVec2> {
+        let [_, _, mut apex] = self.corners(side);
+        let mut twin = self.twin(side);
+        let mut turn: Option<DVec2> = None;
+        while twin != NONE && twin.triangle != side.triangle {
+            let [from, to, next] = self.corners(twin);
+            let other = if from == pivot { to } else { from };
+            if bend(normals_beside(pivot, other, [apex, next])).1 <= 0.0 {
+                return None;
+            }
+            let step = angle(pivot, other, next);
+            let sum = turn.map_or(step, |turn| turn.normalize_or_zero().rotate(step));
+            if sum.y <= 0.0 || sum.y.is_nan() {
+                return None;
+            }
+            turn = Some(sum);
+            let beyond = Side { from: (twin.from + if from == pivot { 2 } else { 1 }) % 3, ..twin };
+            (apex, twin) = (other, self.twin(beyond));
+        }
+        turn.filter(|_| twin == NONE)
+    }
+}
+
+/// The angle between the directions from a corner to two others, as a vector in its direction, from 0 to 180 degrees.
+fn angle(at: DVec3, from: DVec3, to: DVec3) -> DVec2 {
+    let (from, to) = (from - at, to - at);
+    DVec2::new(from.dot(to), from.cross(to).length())
+}
