@@ -53,6 +53,7 @@ pub mod mesh;
 pub mod normals;
 pub mod polygon;
 pub mod progress;
+pub mod radix;
 pub mod strokes;
 pub mod subdivide;
 pub mod topology;

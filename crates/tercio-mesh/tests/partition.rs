@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use tercio_mesh::cluster::{
-    Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, partition, partition_in_order,
+    Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, Piece, partition, partition_pieces,
 };
 use tercio_mesh::{Attribute, AttributeDomain, ClusteredMesh, Mesh, OctNormal};
 
@@ -220,35 +220,65 @@ proptest! {
     }
 
     #[test]
-    fn a_given_order_is_kept(
-        n in 1u32..40,
-        scramble: bool,
-        seed: u64,
-        (max_vertices, max_triangles, ..) in options(),
-    ) {
-        let options = PartitionOptions { max_vertices, max_triangles, ..Default::default() };
-        let mesh = grid(n, scramble);
-        let mut order: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-        order.sort_by_key(|&t| (u64::from(t) + 1).wrapping_mul(seed | 1));
-        let out = partition_in_order(mesh.clone(), order.clone(), &options);
-        check_clusters(&out, &mesh, &options);
-        prop_assert!(out.triangles().map(|t| t.0).eq(order));
+    fn pieces_are_packed_in_their_order(sizes in proptest::collection::vec(1u32..9, 1..120), seed: u64) {
+        check_pieces(&sizes, seed);
+    }
+}
+
+/// Separate grids with so many cells along each side, packed in an order that depends on `seed`: clusters are full, no small one is
+/// divided, and all have what they had.
+fn check_pieces(sizes: &[u32], seed: u64) {
+    let (mut positions, mut triangles, mut pieces) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, &n) in sizes.iter().enumerate() {
+        let part = grid(n, false);
+        let (v, t) = (positions.len() as u32, triangles.len() as u32);
+        positions.extend(part.positions.iter().map(|[x, y, z]| [x + 1000.0 * i as f32, *y, *z]));
+        triangles.extend(part.triangles.iter().map(|corners| corners.map(|c| v + c)));
+        pieces.push(Piece { vertices: v..positions.len() as u32, triangles: t..triangles.len() as u32 });
+    }
+    pieces.sort_by_key(|piece| (u64::from(piece.vertices.start) + 1).wrapping_mul(seed | 1));
+    let mesh = mesh(positions, triangles);
+    let out = partition_pieces(mesh.clone(), pieces.clone());
+    check_clusters(&out, &mesh, &PartitionOptions::default());
+    assert!(out.triangles().map(|t| t.0).eq(pieces.iter().flat_map(|piece| piece.triangles.clone())));
+    let piece_of = |t: u32| pieces.iter().position(|piece| piece.triangles.contains(&t)).expect("a piece");
+    let fits = |piece: &Piece| piece.vertices.len() <= 64 && piece.triangles.len() <= 128;
+    let mut last: Option<(usize, usize, usize)> = None;
+    for view in out.views() {
+        let numbers: Vec<u32> = (0..view.triangles()).map(|t| view.primitive(t)).collect();
+        let (first, end) = (piece_of(numbers[0]), piece_of(numbers[numbers.len() - 1]));
+        if let Some((before, vertices, triangles)) = last {
+            let piece = &pieces[first];
+            if fits(piece) {
+                assert_ne!(first, before, "a small piece is divided");
+                let is_full = vertices + piece.vertices.len() > 64 || triangles + piece.triangles.len() > 128;
+                assert!(is_full, "there was room");
+            }
+        }
+        last = Some((end, view.vertices(), view.triangles()));
     }
 }
 
 #[test]
-#[should_panic(expected = "all triangles, each once")]
-fn an_order_without_a_triangle_is_refused() {
-    partition_in_order(grid(1, false), vec![1, 1], &PartitionOptions::default());
+fn pieces_of_more_vertices_than_a_block_has() {
+    check_pieces(&[5; 2_000], 3);
+    check_pieces(&[200, 1, 60], 0);
 }
 
 #[test]
-fn a_given_order_of_several_blocks_is_kept() {
-    let mesh = grid(150, false);
-    let order: Vec<u32> = (0..mesh.triangles.len() as u32).rev().collect();
-    let out = partition_in_order(mesh.clone(), order.clone(), &PartitionOptions::default());
-    check_clusters(&out, &mesh, &PartitionOptions::default());
-    assert!(out.triangles().map(|t| t.0).eq(order));
+fn wrong_pieces_are_refused() {
+    let mesh = grid(1, false);
+    let piece = |vertices, triangles| Piece { vertices, triangles };
+    for (pieces, reason) in [
+        (vec![piece(0..4, 0..1)], "all triangles"),
+        (vec![piece(0..4, 0..2), piece(0..4, 0..1)], "all triangles"),
+        (vec![piece(0..3, 0..2)], "is not in the piece"),
+        (vec![piece(1..4, 0..2)], "is not in the piece"),
+    ] {
+        let error = std::panic::catch_unwind(|| partition_pieces(mesh.clone(), pieces)).expect_err("refused");
+        let message = error.downcast_ref::<String>().expect("a message");
+        assert!(message.contains(reason), "{message}");
+    }
 }
 
 #[test]

@@ -36,10 +36,9 @@ pub struct BlockedMesh {
 /// Triangles in blocks.
 #[derive(Debug)]
 pub(crate) struct Blocks {
-    /// Mesh number of each triangle; `None` where the blocks hold the order of the mesh.
+    /// Mesh number of each triangle; `None` where the blocks hold the order of the mesh, in which clusters are then made of
+    /// consecutive triangles.
     pub order: Option<Vec<u32>>,
-    /// Clusters are to be made of consecutive triangles.
-    pub keeps_order: bool,
     /// Corners of all triangles, block after block, as vertex numbers inside the block. The corner with the lowest
     /// number in the mesh comes first ([`Mesh::canonical`]).
     pub corners: Vec<[u16; 3]>,
@@ -81,16 +80,6 @@ impl BlockedMesh {
         Self { mesh, blocks }
     }
 
-    /// Splits a mesh into blocks of triangles that are consecutive in a given order.
-    ///
-    /// # Panics
-    /// If a triangle names a vertex that does not exist, or `order` is not a permutation of the numbers of the triangles.
-    pub(crate) fn in_order(mut mesh: Mesh, order: Vec<u32>) -> Self {
-        let blocks = Blocks::of_sequence(&mesh, Sequence::given(&mesh, order));
-        mesh.triangles = Vec::new();
-        Self { mesh, blocks }
-    }
-
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.blocks.corners.len()
@@ -104,11 +93,7 @@ impl BlockedMesh {
 
 impl Blocks {
     pub fn new(mesh: &Mesh, order: Order) -> Self {
-        Self::of_sequence(mesh, Sequence::new(mesh, order))
-    }
-
-    fn of_sequence(mesh: &Mesh, sequence: Sequence) -> Self {
-        let Sequence { order, lengths, keeps_order } = sequence;
+        let Sequence { order, lengths } = Sequence::new(mesh, order);
         let mut corners = vec![[0; 3]; mesh.triangles.len()];
         let mut rest = corners.as_mut_slice();
         let mut first = 0;
@@ -136,7 +121,7 @@ impl Blocks {
                 block
             })
             .collect();
-        Self { order, keeps_order, corners, list }
+        Self { order, corners, list }
     }
 
     /// Mesh number of a block's triangle.

@@ -26,23 +26,13 @@ pub(crate) const BLOCK: usize = 20_000;
 
 /// An order of the triangles and the lengths of the blocks that it is split into.
 pub(super) struct Sequence {
-    /// Triangle numbers; `None` for the order of the mesh.
+    /// Triangle numbers; `None` for the order of the mesh, in which clusters are then made of consecutive triangles.
     pub order: Option<Vec<u32>>,
     /// Triangles of each block, one block after the other.
     pub lengths: Vec<usize>,
-    /// Clusters are to be made of consecutive triangles.
-    pub keeps_order: bool,
 }
 
 impl Sequence {
-    /// A given order, split every [`BLOCK`] triangles.
-    pub fn given(mesh: &Mesh, order: Vec<u32>) -> Self {
-        let mut is_there = vec![false; mesh.triangles.len()];
-        order.iter().for_each(|&t| is_there[t as usize] = true);
-        assert!(order.len() == is_there.len() && is_there.iter().all(|&is| is), "all triangles, each once");
-        Self { lengths: cut_evenly(order.len()).collect(), order: Some(order), keeps_order: true }
-    }
-
     pub fn new(mesh: &Mesh, order: Order) -> Self {
         match order {
             Order::File => file(mesh),
@@ -54,7 +44,7 @@ impl Sequence {
 
 /// The order of the mesh, split every [`BLOCK`] triangles.
 fn file(mesh: &Mesh) -> Sequence {
-    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect(), keeps_order: true }
+    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect() }
 }
 
 /// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
@@ -64,13 +54,13 @@ fn spatial(mesh: &Mesh) -> Sequence {
     let n = mesh.triangles.len();
     if n <= BLOCK {
         let order = (0..n as u32).collect();
-        return Sequence { order: Some(order), lengths: cut_evenly(n).collect(), keeps_order: false };
+        return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
     }
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, cells, ranks.len());
-    let mut blocks = Sequence { order: Some(order), lengths: Vec::new(), keeps_order: false };
+    let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
     blocks.gather_cells(mesh, &counts);
     blocks
 }

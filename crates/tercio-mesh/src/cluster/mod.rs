@@ -4,8 +4,8 @@
 //! same bytes in a [`ClusteredMesh`], in a file and in a message. [`ClusterView`] reads it; no other code knows its
 //! layout. A vertex that several clusters share is stored in each of them.
 //!
-//! The modules in the order of the work: [`partition`] is the entry point ([`partition_in_order`] where the caller knows
-//! which triangles are near each other), [`crate::blocks`] bring neighbouring triangles together, `runs` or `grow` (with
+//! The modules in the order of the work: [`partition`] is the entry point ([`partition_pieces`] for small
+//! pieces that share no vertices), [`crate::blocks`] bring neighbouring triangles together, `runs` or `grow` (with
 //! the `rim` of the open cluster) splits a block into clusters, `gather` writes their memory (`layout` defines it),
 //! `bounds` computes each cluster's box and cone, with which `farthest` measures the mesh. [`cone`] holds the culling
 //! tests that a renderer makes with them. A mesh may be a `part` of a model that several processes hold; `transfer` writes
@@ -24,6 +24,7 @@ mod head;
 mod layout;
 mod part;
 mod partition;
+mod pieces;
 mod rim;
 mod runs;
 mod shuffle;
@@ -36,7 +37,8 @@ pub use clustered::ClusteredMesh;
 pub use head::Cluster;
 pub use layout::Layout;
 pub use part::Whole;
-pub use partition::{PartitionOptions, partition, partition_blocks, partition_in_order};
+pub use partition::{PartitionOptions, partition, partition_blocks};
+pub use pieces::{Piece, partition_pieces};
 pub use transfer::{Assembly, TransferError, write_clusters};
 pub use view::ClusterView;
 

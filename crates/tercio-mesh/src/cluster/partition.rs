@@ -90,22 +90,13 @@ pub fn partition(mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
     partition_blocks(BlockedMesh::new(mesh, options.order), options)
 }
 
-/// As [`partition`], into clusters of triangles that are consecutive in a given order; they keep their numbers.
-/// [`PartitionOptions::order`] is not used.
-///
-/// # Panics
-/// As [`partition`], and if `order` is not a permutation of the numbers of the triangles.
-pub fn partition_in_order(mesh: Mesh, order: Vec<u32>, options: &PartitionOptions) -> ClusteredMesh {
-    partition_blocks(BlockedMesh::in_order(mesh, order), options)
-}
-
 /// As [`partition`], for a mesh that is already split into blocks; their order takes precedence over
 /// [`PartitionOptions::order`].
 ///
 /// # Panics
 /// As [`partition`].
 pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> ClusteredMesh {
-    let BlockedMesh { mut mesh, blocks } = mesh;
+    let BlockedMesh { mesh, blocks } = mesh;
     let limits = Limits {
         vertices: options.max_vertices.clamp(3, MAX_VERTICES) as u32,
         triangles: options.max_triangles.clamp(1, MAX_TRIANGLES) as u32,
@@ -122,7 +113,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         .with_max_len(1)
         .map(|job| {
             let triangles = &blocks.corners[job.block.range()];
-            let cut = cut(&mesh, triangles, job, blocks.keeps_order, limits, &pool);
+            let cut = cut(&mesh, triangles, job, limits, &pool);
             if let Some(progress) = options.progress {
                 progress.advance(triangles.len() as u64);
             }
@@ -130,8 +121,18 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         })
         .collect();
     drop(blocks.corners);
+    finish(mesh, &cuts, order.as_deref(), options)
+}
+
+/// Writes the clusters; `order` holds the mesh numbers of all triangles, cluster after cluster.
+pub(super) fn finish(
+    mut mesh: Mesh,
+    cuts: &[Cut],
+    order: Option<&[u32]>,
+    options: &PartitionOptions,
+) -> ClusteredMesh {
     let mut out = ClusteredMesh { origin: mesh.origin, exponent: mesh.exponent, ..ClusteredMesh::default() };
-    gather::clusters(&mut out, &cuts, order.as_deref(), &mesh);
+    gather::clusters(&mut out, cuts, order, &mesh);
     out.materials = std::mem::take(&mut mesh.materials);
     out.face_of_triangle = mesh.face_of_triangle.take().map(Into::into);
     out.sum_up();
@@ -152,20 +153,12 @@ fn jobs(order: Option<&mut [u32]>, blocks: Vec<Block>) -> Vec<Job<'_>> {
     blocks.into_iter().zip(parts).map(|(block, order)| Job { block, order }).collect()
 }
 
-/// Splits one block into clusters: into runs if the order is to be kept, else by growing.
-fn cut(
-    mesh: &Mesh,
-    triangles: &[[u16; 3]],
-    job: Job,
-    keeps_order: bool,
-    limits: Limits,
-    pool: &Pool<Grower>,
-) -> Cut {
+/// Splits one block into clusters: into runs if the order is that of the mesh, else by growing.
+fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
     let Job { block, order } = job;
     let vertices = block.vertices.len();
     let mut cut = match order {
         None => runs::cut(triangles, |place| (block.first + place) as u32, vertices, limits),
-        Some(order) if keeps_order => runs::cut(triangles, |place| order[place], vertices, limits),
         Some(order) => {
             let mut grower = pool.take();
             let ground = Ground { triangles, vertices: &block.vertices, positions: &mesh.positions };

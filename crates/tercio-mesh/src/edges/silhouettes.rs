@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use super::{Edge, Edges, normals_beside};
 use crate::blocks::interleave;
 use crate::loops::prelude::*;
+use crate::radix::order_of;
 use crate::trig::sin_cos;
 
 /// A triangle counts as seen from the side if its apex is nearer to the plane through the viewer and the edge than this many times the
@@ -51,9 +52,8 @@ impl Edges {
         match self.cones.for_view(self) {
             None => (0..self.list.len() as u32).into_par_iter().filter(may_be_on).collect(),
             Some(cones) => {
-                let mut found: Vec<u32> = cones.candidates(viewer, may_be_on);
-                found.par_sort_unstable();
-                found
+                let found: Vec<u32> = cones.candidates(viewer, may_be_on);
+                order_of(&found).into_iter().map(|place| found[place as usize]).collect()
             }
         }
     }
@@ -148,7 +148,7 @@ impl Cones {
         let cell = |p: [f32; 3]| ((Vec3::from(p) - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3();
         let key = |edge: &Edge| interleave(cell(edges.positions[edge.ends[0] as usize]).to_array());
         let keys: Vec<u32> = edges.list.par_iter().map(key).collect();
-        let order = sorted(&keys);
+        let order = order_of(&keys);
         drop(keys);
         let (least_height, more) = (LEAST_HEIGHT * edges.diagonal(), sin_cos(LEAST_ANGLE));
         let cone = |numbers: &[u32]| Cone::new(edges, numbers, least_height, more);
@@ -162,29 +162,6 @@ impl Cones {
         let groups = groups.filter(|(_, cone)| !cone.is_seen_from_one_side(viewer));
         groups.flat_map_iter(|(numbers, _)| numbers.iter().copied().filter(&may_be_on)).collect()
     }
-}
-
-/// The numbers of keys below 2^30, in the order of the keys.
-fn sorted(keys: &[u32]) -> Vec<u32> {
-    const BITS: u32 = 10;
-    let mut order: Vec<u32> = (0..keys.len() as u32).collect();
-    let mut next = vec![0; keys.len()];
-    for shift in [0, BITS, 2 * BITS] {
-        let digit = |number: u32| (keys[number as usize] >> shift) as usize % (1 << BITS);
-        let mut places = [0; 1 << BITS];
-        order.iter().for_each(|&number| places[digit(number)] += 1);
-        let mut sum = 0;
-        for place in &mut places {
-            (sum, *place) = (sum + *place, sum);
-        }
-        for &number in &order {
-            let place = &mut places[digit(number)];
-            next[*place] = number;
-            *place += 1;
-        }
-        std::mem::swap(&mut order, &mut next);
-    }
-    order
 }
 
 impl Cone {

@@ -130,13 +130,8 @@ impl Eye {
     }
 
     /// The part of a segment in eye space that is in front of the near plane and less than `margin` pixels beside the picture.
-    pub fn clip(&self, [p, q]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
-        let at = |t: f64| match t {
-            t if t <= 0.0 => p,
-            t if t >= 1.0 => q,
-            t => p.lerp(q, t),
-        };
-        self.clip_shares([p, q], margin).map(|shares| shares.map(at))
+    pub fn clip(&self, ends: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
+        self.clip_shares(ends, margin).map(|shares| part(ends, shares))
     }
 
     /// The same as shares of the way from the first end to the second.
@@ -163,4 +158,13 @@ impl Eye {
             (self.view.far - self.view.near) / f64::from(1 << 21)
         }
     }
+}
+
+/// The part of a segment between two shares of the way from its first end to the second.
+pub fn part([p, q]: [DVec3; 2], shares: [f64; 2]) -> [DVec3; 2] {
+    shares.map(|share| match share {
+        share if share <= 0.0 => p,
+        share if share >= 1.0 => q,
+        share => p.lerp(q, share),
+    })
 }

@@ -9,7 +9,7 @@
 use glam::{DVec2, DVec3};
 use tercio_mesh::trig::{acos, sin_cos};
 
-use super::eye::Eye;
+use super::eye::{Eye, part};
 use super::sheet::{Ink, Sheet};
 use super::{EdgePart, Length, Pen};
 
@@ -64,8 +64,6 @@ struct Half {
     /// Nearness at both ends of the rim, and by how much distance these and the middle are moved ahead.
     rim: [f64; 2],
     ahead: [f64; 2],
-    /// No face is on this side.
-    is_free: bool,
 }
 
 /// Draws a line.
@@ -75,9 +73,8 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
         Length::Pixels(width) => width + 2.0,
         Length::Units(_) => eye.size().max_element(),
     };
-    let (Some(ends), Some(shares)) = (eye.clip(line.ends, margin), eye.clip_shares(line.ends, margin)) else {
-        return;
-    };
+    let Some(shares) = eye.clip_shares(line.ends, margin) else { return };
+    let ends = part(line.ends, shares);
     let inks = shares.map(|share| sheet.between(inks, share));
     let end = |p: DVec3| End { screen: eye.screen(p), radius: 0.5 * pen.width.pixels(eye, p.z), z: p.z };
     let ends3 = ends;
@@ -110,8 +107,10 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
         }
         return;
     }
-    let halves = [1.0, -1.0].map(|side| half(eye, &ends, &faces, normal, side));
-    let halves = halves.map(|half| (half.is_free || line.part != EdgePart::BesideSurface).then_some(half));
+    let halves = [1.0, -1.0].map(|side| {
+        let is_free = faces.iter().flatten().all(|face| face.side != side);
+        (is_free || line.part != EdgePart::BesideSurface).then(|| half(eye, &ends, &faces, normal, side))
+    });
     strips(sheet, &ends, along, &halves, inks, line.apexes != [None; 2]);
 }
 
@@ -155,7 +154,7 @@ fn half(eye: &Eye, ends: &[End; 2], faces: &[Option<Face>; 2], normal: DVec2, si
                 }
             };
     }
-    Half { rim, ahead, is_free }
+    Half { rim, ahead }
 }
 
 /// A distance that is smaller, but not behind the viewer.

@@ -313,7 +313,7 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     let has_own_colors = readers.is_empty() && instance.surface.use_mesh_colors;
     let numbers: Vec<usize> = (0..mesh.clusters().len()).collect();
     // Chunks of clusters have as many points as chunks of points.
-    let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
+    let sheets = numbers.par_chunks(128).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
             let own_colors = has_own_colors.then(|| vertex_colors(&cluster, &mesh.materials));

@@ -1,19 +1,20 @@
 //! Triangles that face the camera, on the way to instances of the scene.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 use tercio_mesh::blocks::interleave;
-use tercio_mesh::cluster::{PartitionOptions, partition_in_order};
+use tercio_mesh::cluster::{Piece, partition_pieces};
+use tercio_mesh::color::srgb_to_linear;
 use tercio_mesh::loops::prelude::*;
+use tercio_mesh::radix::order_of;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
 use tercio_scene::{DataColors, DataSource, Instance, Surface, SurfaceData};
 
 use super::eye::Eye;
 
-/// Strokes that become one instance: it bounds the memory of what is not yet split into clusters.
-const CHUNK: usize = 1 << 15;
+/// Strokes that become one instance, by one thread: it bounds the memory of what is not yet split into clusters.
+const CHUNK: usize = 1 << 13;
 /// Cells along each axis of the grid by which strokes are sorted.
 const CELLS: f32 = 1024.0;
 
@@ -78,9 +79,8 @@ impl<'a> Sheet<'a> {
         self.starts.push([self.positions.len() as u32, self.triangles.len() as u32]);
     }
 
-    /// The numbers of the triangles, stroke by stroke, in an order in which neighbours are near each other: most strokes share no
-    /// vertices, over which clusters could grow.
-    fn order(&self) -> Vec<u32> {
+    /// The strokes in an order in which neighbours are near each other.
+    fn pieces(&self) -> Vec<Piece> {
         let first = |start: &[u32; 2]| self.positions.get(start[0] as usize).map(|&p| Vec3::from(p));
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for p in self.starts.iter().filter_map(first) {
@@ -88,13 +88,21 @@ impl<'a> Sheet<'a> {
         }
         let scale = CELLS / (max - min).max_element();
         let cell = |p: Vec3| ((p - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3().to_array();
-        let ends = self.starts.iter().skip(1).map(|start| start[1]).chain([self.triangles.len() as u32]);
-        let strokes = self.starts.iter().zip(ends).filter(|(start, end)| start[1] < *end);
-        let key = |start| first(start).map_or(0, |p| interleave(cell(p)));
-        let mut sorted: Vec<(u32, Range<u32>)> =
-            strokes.map(|(start, end)| (key(start), start[1]..end)).collect();
-        sorted.sort_by_key(|stroke| stroke.0);
-        sorted.into_iter().flat_map(|stroke| stroke.1).collect()
+        let keys: Vec<u32> =
+            self.starts.iter().map(|start| first(start).map_or(0, |p| interleave(cell(p)))).collect();
+        let end = [self.positions.len() as u32, self.triangles.len() as u32];
+        let piece = |place: u32| {
+            let [vertex, triangle] = self.starts[place as usize];
+            let [vertices, triangles] = *self.starts.get(place as usize + 1).unwrap_or(&end);
+            Piece { vertices: vertex..vertices, triangles: triangle..triangles }
+        };
+        order_of(&keys).into_iter().map(piece).collect()
+    }
+
+    /// The colour of all vertices, if they have the same and it is opaque.
+    fn one_color(&self) -> Option<[u8; 3]> {
+        let first @ [r, g, b, 0xff] = self.inks.first()?.color else { return None };
+        self.inks.iter().all(|ink| ink.color == first).then_some([r, g, b])
     }
 
     /// The colour at a share of the way from one end of a stroke to the other.
@@ -144,16 +152,24 @@ impl<'a> Sheet<'a> {
         if self.triangles.is_empty() {
             return None;
         }
-        let order = self.order();
+        let pieces = self.pieces();
         let largest = self.positions.as_flattened().iter().fold(0.0f32, |m, c| m.max(c.abs()));
         if !largest.is_finite() {
             return None;
         }
+        let mut surface = look.surface;
+        // What has one colour needs none at its vertices.
+        let one_color = self.one_color().filter(|_| look.colors.is_none());
+        if let Some(color) = one_color {
+            surface.base_color = color.map(|level| srgb_to_linear(f64::from(level) / 255.0) as f32);
+            surface.use_mesh_colors = false;
+        }
+        let has_colors = look.colors.is_none() && one_color.is_none();
         let mut mesh = Mesh {
             origin: self.eye.origin(),
             positions: self.positions,
             triangles: self.triangles,
-            vertex_colors: look.colors.is_none().then(|| self.inks.iter().map(|ink| ink.color).collect()),
+            vertex_colors: has_colors.then(|| self.inks.iter().map(|ink| ink.color).collect()),
             attributes: look.colors.iter().map(|colors| values(&self.inks, colors.offset)).collect(),
             normals: (!self.normals.is_empty()).then_some(self.normals),
             ..Mesh::default()
@@ -162,8 +178,7 @@ impl<'a> Sheet<'a> {
         let data = look.colors.as_ref().map(|colors| {
             Arc::new(SurfaceData::Mapped { source: DataSource::Attribute(0), colors: Arc::clone(colors) })
         });
-        let mesh = partition_in_order(mesh, order, &PartitionOptions::default());
-        Some(Instance { surface: look.surface, data, ..Instance::new(mesh) })
+        Some(Instance { surface, data, ..Instance::new(partition_pieces(mesh, pieces)) })
     }
 }
 

@@ -105,12 +105,3 @@ fn views_are_found_side_by_side() {
         assert_eq!(found, expected(&edges, *viewer));
     }
 }
-
-proptest! {
-    #[test]
-    fn keys_are_sorted(keys in prop::collection::vec(prop_oneof![0..1u32 << 30, 0..9u32], 0..500)) {
-        let mut expected: Vec<u32> = (0..keys.len() as u32).collect();
-        expected.sort_by_key(|&n| keys[n as usize]);
-        prop_assert_eq!(sorted(&keys), expected);
-    }
-}

@@ -3,6 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
+use tercio_scene::Surface;
 
 use super::Scratch;
 use super::fragments::FragmentList;
@@ -10,7 +11,7 @@ use super::sink::{Opaque, Sink, Translucent};
 use crate::backend::corners::{ColorSource, Colored, Corners, Fragments, numbers_for_edges};
 use crate::backend::material::has_materials;
 use crate::backend::shade::{
-    At, Common, Explained, Features, FragmentTarget, Look, fetch, late, shade, shade_inline,
+    At, Common, Explained, Features, FragmentTarget, Look, displayable_of, fetch, late, shade, shade_inline,
 };
 use crate::context::FrameContext;
 use crate::frame::Outputs;
@@ -51,6 +52,14 @@ pub fn cluster<S: Simd, K: Sink>(
             let Scratch { memory, vertices, table, .. } = &mut *scratch;
             let (instance, cluster) = context.cluster(number);
             let look = Look::new(context, instance, cluster.head().normals_agree(), &planes(outputs));
+            if look.is_uniform() && !outputs.normals {
+                let list = K::list(memory);
+                counts.pixels_shaded += (list.count - first) as u64;
+                list.resize_shaded(false);
+                let surface = &context.scene.instances[instance].surface;
+                list.colors[first..list.count].fill(uniform(surface));
+                return;
+            }
             table.load_normals(simd, context, &context.objects[instance], &cluster, vertices);
             if look.position() {
                 table.load_positions(simd, &cluster);
@@ -82,6 +91,16 @@ pub fn cluster<S: Simd, K: Sink>(
             }
         },
     );
+}
+
+/// What a [`FragmentTarget`] gets of an unlit surface of one colour.
+fn uniform(surface: &Surface) -> [f32; 4] {
+    let [r, g, b] = surface.base_color.map(displayable_of);
+    if surface.opacity < 1.0 {
+        let opacity = surface.opacity;
+        return [r * opacity, g * opacity, b * opacity, opacity];
+    }
+    [r, g, b, 1.0]
 }
 
 /// The fragments of a cluster that are being shaded.

@@ -145,6 +145,13 @@ impl Look {
         }
     }
 
+    /// Do all points of an instance with this look have the colour of its surface?
+    #[inline(always)]
+    pub fn is_uniform(self) -> bool {
+        let has_one_color = self.colors == ColorSource::Base && !self.materials && !self.edges;
+        has_one_color && self.shading == Shading::Unlit && !self.tone
+    }
+
     /// Does the look have exactly the given features, so that their kernel can draw it?
     #[inline(always)]
     pub fn is(self, features: impl Features) -> bool {

@@ -28,7 +28,7 @@ use crate::stats::BackEndCounts;
 pub use features::{Common, Explained, Features, Look, needs_plane};
 pub use kernel::{At, Facing, seen_plane, shade, shade_inline, to_eye};
 use target::PixelTarget;
-pub use target::{FragmentTarget, Target, displayable};
+pub use target::{FragmentTarget, Target, displayable, displayable_of};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]

@@ -125,6 +125,12 @@ pub fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> Vec3x16<S> {
     })
 }
 
+/// [`displayable`] of one value.
+pub fn displayable_of(linear: f32) -> f32 {
+    let above = if linear > 0.0 { linear } else { 0.0 };
+    if above < 1.0 { above } else { 1.0 }
+}
+
 #[inline(always)]
 fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes) {
     let levels = opaque(simd, linear).to_array();
