@@ -1,7 +1,8 @@
 //! Which edges are certainly not on the silhouette, found without projecting them: nearly all of them are not.
 //!
 //! Groups of edges that are near each other have the cone of the normals beside them (Shirmun and Abi-Ezzi, 1993): nearly all groups of a
-//! smooth surface are seen from one side, and none of their edges is looked at.
+//! smooth surface are seen from one side, and none of their edges is looked at. Of the others, nearly all are decided by the normals
+//! of their triangles, which are stored in the order of the groups.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -9,6 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use glam::{DVec3, Vec3};
 
 use super::{Edge, Edges, normals_beside};
+use crate::OctNormal;
 use crate::blocks::interleave;
 use crate::loops::prelude::*;
 use crate::radix::order_of;
@@ -16,10 +18,12 @@ use crate::trig::sin_cos;
 
 /// A triangle counts as seen from the side if its apex is nearer to the plane through the viewer and the edge than this many times the
 /// diagonal of the model.
-const EDGE_ON: f64 = 1e-9;
+const EDGE_ON: f64 = 1e-10;
 /// The least angle, in radians, at which triangles are seen that a cone says are seen from one side.
-const LEAST_ANGLE: f64 = 0.011;
-/// Triangles of groups with a cone are higher over their edges than this many times the diagonal of the model.
+const LEAST_ANGLE: f64 = 0.0011;
+/// Normals beside edges are stored with an error of less than this angle, in radians.
+const ROUNDING: f64 = 0.0001;
+/// Triangles of groups with a cone, and of edges with normals, are higher over their edges than this many times the diagonal of the model.
 const LEAST_HEIGHT: f64 = 1e-6;
 // An apex is at least the height times the sine of the angle away from the plane. So what a cone leaves out is not `EDGE_ON`,
 // even when rounded.
@@ -45,7 +49,7 @@ impl Edges {
     /// The numbers of the edges that may be on the silhouette, in order: all but those that lie, in the picture, certainly between their
     /// two triangles. For a viewer that is not finite, all of them.
     ///
-    /// After two viewers the edges are grouped, which takes as long as three or four more, and 9 bytes an edge from then on.
+    /// After two viewers the edges are grouped, which takes as long as three or four more, and 17 bytes an edge from then on.
     pub fn silhouettes(&self, viewer: Viewer) -> Vec<u32> {
         let edge_on = EDGE_ON * self.diagonal();
         let may_be_on = |&number: &u32| !self.is_between(&self.list[number as usize], viewer, edge_on);
@@ -125,8 +129,13 @@ impl LazyCones {
 struct Cones {
     /// The numbers of the edges, group by group.
     order: Vec<u32>,
+    /// The normals beside each of them, as [`normals_beside`] has them; [`NO_NORMALS`] if it has only one triangle, or one that is not
+    /// high enough.
+    normals: Vec<[OctNormal; 2]>,
     list: Vec<Cone>,
 }
+
+const NO_NORMALS: [OctNormal; 2] = [OctNormal::NONE; 2];
 
 /// The cone of a group.
 #[derive(Clone, Copy, Debug)]
@@ -153,14 +162,63 @@ impl Cones {
         let (least_height, more) = (LEAST_HEIGHT * edges.diagonal(), sin_cos(LEAST_ANGLE));
         let cone = |numbers: &[u32]| Cone::new(edges, numbers, least_height, more);
         let list = order.par_chunks(GROUP).with_min_len(256).map(cone).collect();
-        Self { order, list }
+        let encoded = |number: &u32| match normals(edges, &edges.list[*number as usize], least_height) {
+            Some(both) => both.map(|normal| OctNormal::from_vector(normal.to_array())),
+            None => NO_NORMALS,
+        };
+        let normals = order.par_iter().map(encoded).collect();
+        Self { order, normals, list }
     }
 
-    /// The numbers, in no order, for which `may_be_on` holds, of edges that are not in groups seen from one side.
+    /// The numbers, in no order, for which `may_be_on` holds, of edges that are not in groups seen from one side; edges whose normals
+    /// decide it are not asked for.
     fn candidates(&self, viewer: Viewer, may_be_on: impl Fn(&u32) -> bool + Sync) -> Vec<u32> {
-        let groups = self.order.par_chunks(GROUP).zip(&self.list).with_min_len(256);
+        let edges = self.order.par_chunks(GROUP).zip(self.normals.par_chunks(GROUP));
+        let (groups, may_be_on) = (edges.zip(&self.list).with_min_len(256), &may_be_on);
         let groups = groups.filter(|(_, cone)| !cone.is_seen_from_one_side(viewer));
-        groups.flat_map_iter(|(numbers, _)| numbers.iter().copied().filter(&may_be_on)).collect()
+        groups
+            .flat_map_iter(|((numbers, normals), cone)| {
+                let sight = cone.sight(viewer);
+                let is_on = move |number: &u32, both: [OctNormal; 2]| match sight.sides(both) {
+                    Some([a, b]) => a != b,
+                    None => may_be_on(number),
+                };
+                let found = numbers.iter().zip(normals).filter(move |(number, both)| is_on(number, **both));
+                found.map(|(number, _)| *number)
+            })
+            .collect()
+    }
+}
+
+/// The normals beside an edge, normalized, unless it has only one triangle, or one that is not higher over it than this.
+fn normals(edges: &Edges, edge: &Edge, least_height: f64) -> Option<[DVec3; 2]> {
+    if edge.apexes[1] == Edge::NONE {
+        return None;
+    }
+    let [from, to] = edge.ends.map(|v| edges.local(v));
+    let both = normals_beside(from, to, edge.apexes.map(|v| edges.local(v)));
+    let least = least_height * from.distance(to);
+    let is_high = |normal: &DVec3| normal.length() > least && normal.is_finite();
+    both.iter().all(is_high).then(|| both.map(DVec3::normalize))
+}
+
+/// How a viewer sees the first ends of the edges of a group.
+struct Sight {
+    /// From the viewer to the middle of them.
+    towards: DVec3,
+    /// How far from a plane through the middle the viewer is at least, if its distance from a parallel one through the first end of each
+    /// edge is more than [`LEAST_ANGLE`] and [`ROUNDING`] allow.
+    least: f64,
+}
+
+impl Sight {
+    /// On which side of both triangles of an edge the viewer is, if it is certainly not nearly in the plane of one of them.
+    fn sides(&self, normals: [OctNormal; 2]) -> Option<[bool; 2]> {
+        // Not longer than 1, but possibly shorter.
+        let distances = normals.map(|normal| Vec3::from(normal.decode()).as_dvec3().dot(self.towards));
+        let is_certain =
+            normals != NO_NORMALS && distances.iter().all(|distance| distance.abs() > self.least);
+        is_certain.then(|| distances.map(|distance| distance < 0.0))
     }
 }
 
@@ -175,26 +233,17 @@ impl Cone {
         let radius = first_ends().map(|p| p.distance(center.as_dvec3())).fold(0.0, f64::max);
         let anything = Self { center, radius: radius as f32, axis: Vec3::X, sin: 1.0, cos: 0.0 };
 
-        let mut normals = [[DVec3::ZERO; 2]; GROUP];
+        let mut all = [[DVec3::ZERO; 2]; GROUP];
         let mut sum = DVec3::ZERO;
-        for (pair, edge) in normals.iter_mut().zip(group()) {
-            let [from, to] = edge.ends.map(|v| edges.local(v));
-            if edge.apexes[1] == Edge::NONE {
-                return anything;
-            }
-            let both = normals_beside(from, to, edge.apexes.map(|v| edges.local(v)));
-            let least = least_height * from.distance(to);
-            if both.iter().any(|normal| !(normal.length() > least && normal.is_finite())) {
-                return anything;
-            }
-            let both = both.map(DVec3::normalize);
+        for (pair, edge) in all.iter_mut().zip(group()) {
+            let Some(both) = normals(edges, edge, least_height) else { return anything };
             // Triangles may be wound either way.
             let is_turned = sum.dot(both[0] + both[1]) < 0.0;
             *pair = if is_turned { both.map(|normal| -normal) } else { both };
             sum += pair[0] + pair[1];
         }
         let axis = sum.normalize_or_zero().as_vec3();
-        let used = normals[..numbers.len()].as_flattened();
+        let used = all[..numbers.len()].as_flattened();
         let cos = used.iter().map(|normal| normal.dot(axis.as_dvec3())).fold(1.0, f64::min);
         if cos <= 0.0 {
             return anything;
@@ -204,12 +253,22 @@ impl Cone {
         Self { axis, sin: sin as f32, cos: cos as f32, ..anything }
     }
 
-    /// Does the viewer see the same side of all triangles, and none of them nearly edge-on?
-    fn is_seen_from_one_side(&self, viewer: Viewer) -> bool {
-        let (towards, radius) = match viewer {
+    /// From the viewer to the middle, and the radius around it that matters.
+    fn towards(&self, viewer: Viewer) -> (DVec3, f64) {
+        match viewer {
             Viewer::At(eye) => (self.center.as_dvec3() - eye, f64::from(self.radius)),
             Viewer::Along(direction) => (direction, 0.0),
-        };
+        }
+    }
+
+    fn sight(&self, viewer: Viewer) -> Sight {
+        let (towards, radius) = self.towards(viewer);
+        Sight { towards, least: radius + (LEAST_ANGLE + ROUNDING) * (towards.length() + radius) }
+    }
+
+    /// Does the viewer see the same side of all triangles, and none of them nearly edge-on?
+    fn is_seen_from_one_side(&self, viewer: Viewer) -> bool {
+        let (towards, radius) = self.towards(viewer);
         // With a half the opening of the cone, b half the angle at which the eye sees the sphere (sin b = radius / |towards|, cos b =
         // tangent / |towards|), and c the angle between `towards` and the axis: all normals are on one side of all lines of sight
         // if a + b is less than a right angle and |cos c| > sin(a + b). Both sides of both conditions are multiplied by |towards|.
