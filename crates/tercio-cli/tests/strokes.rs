@@ -269,18 +269,18 @@ fn edges_are_seen_where_nothing_hides_them() {
         let cover = |x: usize, y: usize| (f64::from(picture.at(x, y)[0]) / 255.0).powf(2.2);
         let caster = model.caster();
         let triangles = model.triangles();
-        // Lines of triangles and flat quadrilaterals are drawn on these, those of other polygons as strips in front of them.
+        // Lines of flat polygons are drawn on these, those of others as strips in front of them.
         let corners = |face: &[usize]| face.iter().map(|&v| model.vertices[v]).collect::<Vec<_>>();
         let is_flat = |face: &Vec<usize>| {
             let corners = corners(face);
             let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
             let away = |p: &DVec3| normal.dot(*p - corners[0]).abs() / normal.length();
-            face.len() <= 4 && corners.iter().all(|p| away(p) <= 1e-3 * corners[0].distance(*p))
+            corners.iter().all(|p| away(p) <= 1e-3 * corners[0].distance(*p))
         };
         let is_shaded = model.faces.iter().all(is_flat);
         let face_of: Vec<&[usize]> =
             model.faces.iter().flat_map(|face| vec![&face[..]; face.len() - 2]).collect();
-        // A half of a quadrilateral draws the lines of the other half, too, where they reach over the diagonal.
+        // A triangle draws the lines of the others of its polygon, too, where they reach over a diagonal.
         let is_of_face = |triangle: usize, ends: [DVec3; 2]| {
             let corners = corners(face_of[triangle]);
             ends.iter().all(|end| corners.contains(end))

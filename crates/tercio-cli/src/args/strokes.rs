@@ -100,8 +100,8 @@ pub struct StrokeArgs {
     #[arg(long, alias = "style", value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
-    /// Several with commas: --edges=feature,silhouette. All edges of polygons, at most 4 pixels wide, are shaded with a surface
-    /// that is opaque, which is quick; others are strips in front of it.
+    /// Several with commas: --edges=feature,silhouette. All edges of flat polygons, at most 4 pixels wide, are shaded with a
+    /// surface that is opaque, which is quick; others are strips in front of it.
     #[arg(long, alias = "show-edges", value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
     edges: Option<Vec<EdgesName>>,
@@ -305,7 +305,7 @@ impl StrokeArgs {
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
-    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines.
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, of flat polygons, as thin lines.
     pub fn on_surface(&self, edges: &Edges) -> Option<SurfaceEdges> {
         let Pen { width: Length::Pixels(width), color: [r, g, b, alpha] } = self.edge_pen() else {
             return None;
@@ -314,9 +314,10 @@ impl StrokeArgs {
         if !self.has_surface() || !is_thin || self.plain() != Some(EdgesName::All) {
             return None;
         }
-        let has_polygons = edges.beyond != Beyond::Nothing;
+        let beyond = edges.beyond.clone()?;
+        let has_polygons = beyond != Beyond::Nothing;
         let lines = SurfaceEdges::new([r, g, b], width as f32, has_polygons.then(|| edges.sides.clone()));
-        Some(SurfaceEdges { opacity: f32::from(alpha) / 255.0, beyond: edges.beyond.clone(), ..lines })
+        Some(SurfaceEdges { opacity: f32::from(alpha) / 255.0, beyond, ..lines })
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour; `is_darkened` if an

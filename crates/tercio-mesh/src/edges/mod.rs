@@ -67,7 +67,7 @@ impl Edge {
 /// that, the first of two numbers a and b means the line from r on which a times the barycentric coordinate of p is minus
 /// that of q, and the second one the line from q on which b times that of p is minus that of r. The triangles between the side and
 /// the edge are turned about their common sides into the plane for that. 0 means that there is none, that it does not reach the
-/// triangle because of a reflex angle, or that two of these triangles are bent by 90 degrees or more.
+/// triangle because of a reflex angle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Beyond {
     /// All polygons are triangles.
@@ -114,8 +114,9 @@ pub struct Edges {
     /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
     pub sides: Vec<u8>,
-    /// If all edges are selected, where those of a polygon are, seen from each of its triangles.
-    pub beyond: Beyond,
+    /// If all edges are selected, where those of a polygon are, seen from each of its triangles; `None` if a polygon is bent by more than a
+    /// degree.
+    pub beyond: Option<Beyond>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,

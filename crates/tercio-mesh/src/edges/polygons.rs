@@ -13,10 +13,22 @@ pub struct Joined {
     pub corners: [u8; 2],
 }
 
+/// The tangent of the angle by which two triangles of a polygon may be bent: a degree. Where one of them is hidden behind the other, or seen
+/// nearly edge-on, so are lines along its sides, but not what they would be in the plane of the other.
+const MOST_BENT: f64 = 0.0175;
+
 /// [`Edges::beyond`](super::Edges::beyond); `joined` are all sides that are no edges, `at` is the place of a corner of a triangle.
-pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + Sync) -> Beyond {
+pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + Sync) -> Option<Beyond> {
     if joined.is_empty() {
-        return Beyond::Nothing;
+        return Some(Beyond::Nothing);
+    }
+    let is_flat = |Joined { triangles: [a, b], corners: [of_a, of_b] }: &Joined| {
+        let [from, to, apex] = [0, 1, 2].map(|k| at(*a, (of_a + k) % 3));
+        let (sin, cos) = bend(normals_beside(from, to, [apex, at(*b, (of_b + 2) % 3)]));
+        sin <= MOST_BENT * cos
+    };
+    if !joined.par_iter().all(is_flat) {
+        return None;
     }
     let mut twins = vec![[NONE; 3]; sides.len()];
     for Joined { triangles: [a, b], corners: [of_a, of_b] } in joined {
@@ -29,11 +41,11 @@ pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + S
     if joined.iter().flat_map(|pair| &pair.triangles).all(is_half) {
         let diagonal = |t: u32| (0..3).find(|&from| twins[t as usize][usize::from(from)] != NONE);
         let of_half = |t| diagonal(t).map_or([0.0; 2], |from| polygons.places(Side { triangle: t, from }));
-        return Beyond::Quadrilaterals(triangles.map(of_half).collect());
+        return Some(Beyond::Quadrilaterals(triangles.map(of_half).collect()));
     }
     // The side opposite to a corner begins at the next corner.
     let opposite = |t: u32, k: u8| polygons.places(Side { triangle: t, from: (k + 1) % 3 });
-    Beyond::Polygons(triangles.map(|t| [0, 1, 2].map(|k| opposite(t, k))).collect())
+    Some(Beyond::Polygons(triangles.map(|t| [0, 1, 2].map(|k| opposite(t, k))).collect()))
 }
 
 /// A side of a triangle, which runs from this corner to the next one.
@@ -77,18 +89,14 @@ impl<F: Fn(u32, u8) -> DVec3> Polygons<'_, F> {
     }
 
     /// The angle at an end of a side, from the side to the next edge of the polygon beyond it, as a vector in its direction: all
-    /// triangles in between are turned about their sides into the plane of this one. `None` if there is no such edge, if the angle is
-    /// 180 degrees or more, or if two of the triangles are bent by 90 degrees or more.
+    /// triangles in between are turned about their sides into the plane of this one. `None` if there is no such edge, or if the angle is
+    /// 180 degrees or more.
     fn turn(&self, side: Side, pivot: DVec3) -> Option<DVec2> {
-        let [_, _, mut apex] = self.corners(side);
         let mut twin = self.twin(side);
         let mut turn: Option<DVec2> = None;
         while twin != NONE && twin.triangle != side.triangle {
             let [from, to, next] = self.corners(twin);
             let other = if from == pivot { to } else { from };
-            if bend(normals_beside(pivot, other, [apex, next])).1 <= 0.0 {
-                return None;
-            }
             let step = angle(pivot, other, next);
             let sum = turn.map_or(step, |turn| turn.normalize_or_zero().rotate(step));
             if sum.y <= 0.0 || sum.y.is_nan() {
@@ -96,7 +104,7 @@ impl<F: Fn(u32, u8) -> DVec3> Polygons<'_, F> {
             }
             turn = Some(sum);
             let beyond = Side { from: (twin.from + if from == pivot { 2 } else { 1 }) % 3, ..twin };
-            (apex, twin) = (other, self.twin(beyond));
+            twin = self.twin(beyond);
         }
         turn.filter(|_| twin == NONE)
     }
