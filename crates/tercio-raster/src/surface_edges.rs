@@ -1,5 +1,6 @@
 //! What reference and kernels share of lines along the sides of triangles.
 
+use tercio_mesh::edges::Beyond;
 use tercio_scene::{Scene, SurfaceEdges};
 
 use crate::conventions::SUBPIXELS;
@@ -61,11 +62,12 @@ pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
         let places = edges.beyond.numbers();
         // Bits of numbers are in the order of the numbers, those with a sign above all others. This is quick, and nearly always all.
         let greatest = places.iter().map(|place| place.to_bits()).fold(0, u32::max);
-        let is_wrong = |place: &&f32| !(place.is_finite() && **place >= 0.0);
-        if greatest >= f32::INFINITY.to_bits()
+        let most = Beyond::MOST as f32;
+        let is_wrong = |place: &&f32| !(**place >= 0.0 && **place <= most);
+        if greatest > most.to_bits()
             && let Some(place) = places.iter().find(is_wrong)
         {
-            return fail("place of an edge beyond a side", "0 or above and finite", place.to_string());
+            return fail("place of an edge beyond a side", &format!("0 to {most}"), place.to_string());
         }
     }
     Ok(())

@@ -103,6 +103,31 @@ fn every_sampling_shading_and_plane() {
     }
 }
 
+/// Fragments of unlit surfaces of one colour are not shaded, but filled: opaque ones and others, also beside those that are lit.
+#[test]
+fn unlit_surfaces_of_one_colour() {
+    let mesh = soup(1_500, 6);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    for (base_color, opacity) in [
+        ([0.8, 0.1, 0.3], 1.0),
+        ([0.8, 0.1, 0.3], 0.35),
+        ([f32::NAN, -1.0, 7.5], 1.0),
+        ([1e-9, 2.0, 0.5], 0.0),
+    ] {
+        let mut scene = with_second_instance(scene(&mesh));
+        let surface = &mut scene.instances[0].surface;
+        (surface.base_color, surface.use_mesh_colors, surface.unlit) = (base_color, false, true);
+        surface.opacity = opacity;
+        for pattern in SamplePattern::ALL {
+            let outputs = Outputs { color: true, linear: true, ..Outputs::NONE };
+            let colors = Settings { outputs, ..sampled(pattern, 60, 44) };
+            check_all(&mesh, &scene, &camera, &colors, &format!("{base_color:?}, {opacity}, {pattern}"));
+        }
+        let all = sampled(SamplePattern::Sparse4, 60, 44);
+        check_all(&mesh, &scene, &camera, &all, &format!("{base_color:?}, {opacity}, all planes"));
+    }
+}
+
 /// Squares across the picture, one behind the other, some of them at the same depth, some beyond the guard band, some
 /// through each other.
 fn stack(layers: usize) -> Mesh {

@@ -23,7 +23,7 @@ const BLOCK: usize = 1 << 16;
 /// numbers; the vertices of a piece are stored even if none of its triangles has them.
 ///
 /// # Panics
-/// As `partition`, if a triangle has a corner that is none of the vertices of its piece, or if the pieces have not all triangles.
+/// As `partition`, if a triangle has a corner that is none of the vertices of its piece, or if the pieces have not as many triangles as the mesh.
 pub fn partition_pieces(mesh: Mesh, pieces: impl IntoIterator<Item = Piece>) -> ClusteredMesh {
     let limits = Limits { vertices: MAX_VERTICES as u32, triangles: MAX_TRIANGLES as u32 };
     let triangles = mesh.triangles.len();

@@ -66,8 +66,8 @@ impl Edge {
 /// Each is a number for an end of a side that is no edge: with p the corner opposite to the side, q the next one and r the one after
 /// that, the first of two numbers a and b means the line from r on which a times the barycentric coordinate of p is minus
 /// that of q, and the second one the line from q on which b times that of p is minus that of r. The triangles between the side and
-/// the edge are turned about their common sides into the plane for that. 0 means that there is none, that it does not reach the
-/// triangle because of a reflex angle.
+/// the edge are turned about their common sides into the plane for that. 0 means that there is none beside the sides of the
+/// triangle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Beyond {
     /// All polygons are triangles.
@@ -81,6 +81,9 @@ pub enum Beyond {
 }
 
 impl Beyond {
+    /// The largest number: its line is that of the side, up to a millionth of the height of the triangle. Larger ones could overflow.
+    pub const MOST: f64 = 1e6;
+
     /// All numbers, triangle by triangle.
     pub fn numbers(&self) -> &[f32] {
         match self {
@@ -115,7 +118,7 @@ pub struct Edges {
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
     pub sides: Vec<u8>,
     /// If all edges are selected, where those of a polygon are, seen from each of its triangles; `None` if a polygon is bent by more than a
-    /// degree.
+    /// degree, or has a reflex angle.
     pub beyond: Option<Beyond>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.

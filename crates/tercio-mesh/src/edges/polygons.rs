@@ -17,6 +17,9 @@ pub struct Joined {
 /// nearly edge-on, so are lines along its sides, but not what they would be in the plane of the other.
 const MOST_BENT: f64 = 0.0175;
 
+/// A triangle that is less high over a side than this many times the length of the side may have any direction, by rounding.
+const LEAST_HEIGHT: f64 = 1e-3;
+
 /// [`Edges::beyond`](super::Edges::beyond); `joined` are all sides that are no edges, `at` is the place of a corner of a triangle.
 pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + Sync) -> Option<Beyond> {
     if joined.is_empty() {
@@ -24,8 +27,10 @@ pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + S
     }
     let is_flat = |Joined { triangles: [a, b], corners: [of_a, of_b] }: &Joined| {
         let [from, to, apex] = [0, 1, 2].map(|k| at(*a, (of_a + k) % 3));
-        let (sin, cos) = bend(normals_beside(from, to, [apex, at(*b, (of_b + 2) % 3)]));
-        sin <= MOST_BENT * cos
+        let both = normals_beside(from, to, [apex, at(*b, (of_b + 2) % 3)]);
+        let (sin, cos) = bend(both);
+        let is_sliver = |normal: DVec3| normal.length() <= LEAST_HEIGHT * from.distance_squared(to);
+        sin <= MOST_BENT * cos || both.into_iter().any(is_sliver)
     };
     if !joined.par_iter().all(is_flat) {
         return None;
@@ -40,12 +45,14 @@ pub fn beyond(sides: &[u8], joined: &[Joined], at: impl Fn(u32, u8) -> DVec3 + S
     let is_half = |t: &u32| sides[*t as usize].count_ones() == 2;
     if joined.iter().flat_map(|pair| &pair.triangles).all(is_half) {
         let diagonal = |t: u32| (0..3).find(|&from| twins[t as usize][usize::from(from)] != NONE);
-        let of_half = |t| diagonal(t).map_or([0.0; 2], |from| polygons.places(Side { triangle: t, from }));
-        return Some(Beyond::Quadrilaterals(triangles.map(of_half).collect()));
+        let of_half =
+            |t| diagonal(t).map_or(Some([0.0; 2]), |from| polygons.places(Side { triangle: t, from }));
+        return triangles.map(of_half).collect::<Option<_>>().map(Beyond::Quadrilaterals);
     }
     // The side opposite to a corner begins at the next corner.
     let opposite = |t: u32, k: u8| polygons.places(Side { triangle: t, from: (k + 1) % 3 });
-    Some(Beyond::Polygons(triangles.map(|t| [0, 1, 2].map(|k| opposite(t, k))).collect()))
+    let of_triangle = |t| Some([opposite(t, 0)?, opposite(t, 1)?, opposite(t, 2)?]);
+    triangles.map(of_triangle).collect::<Option<_>>().map(Beyond::Polygons)
 }
 
 /// A side of a triangle, which runs from this corner to the next one.
@@ -76,38 +83,64 @@ impl<F: Fn(u32, u8) -> DVec3> Polygons<'_, F> {
     }
 
     /// The edges of the polygon that begin at the ends of a side of a triangle and are beyond it: [`Beyond::Quadrilaterals`] has
-    /// the meaning of the values, which are 0 if the side is an edge itself.
-    fn places(&self, side: Side) -> [f32; 2] {
+    /// the meaning of the values, which are 0 if the side is an edge itself. `None` if the angle of the polygon there is reflex: the line of a
+    /// side of the triangle would not end there.
+    fn places(&self, side: Side) -> Option<[f32; 2]> {
         let [from, to, apex] = self.corners(side);
-        [[to, from], [from, to]].map(|[pivot, other]| {
-            let Some(turn) = self.turn(side, pivot) else { return 0.0 };
-            // With the angle of the triangle itself: the sine of the sum is not above 0 if the polygon is reflex there.
+        let place = |pivot: DVec3, other: DVec3| {
+            let turn = match self.turn(side, pivot) {
+                Turn::Nowhere => return Some(0.0),
+                Turn::Reflex => return None,
+                Turn::To(turn) => turn,
+            };
+            // With the angle of the triangle itself.
             let both = turn.rotate(angle(pivot, other, apex));
+            if is_reflex(both) {
+                return None;
+            }
             let place = both.y / (turn.y * other.distance_squared(pivot));
-            if place > 0.0 && place < f64::from(f32::MAX) { place as f32 } else { 0.0 }
-        })
+            // A line that is nearly the side itself; and none where it is nearly the other side of the triangle, or not a number.
+            Some(if place > 0.0 { place.min(Beyond::MOST) as f32 } else { 0.0 })
+        };
+        Some([place(to, from)?, place(from, to)?])
     }
 
-    /// The angle at an end of a side, from the side to the next edge of the polygon beyond it, as a vector in its direction: all
-    /// triangles in between are turned about their sides into the plane of this one. `None` if there is no such edge, or if the angle is
-    /// 180 degrees or more.
-    fn turn(&self, side: Side, pivot: DVec3) -> Option<DVec2> {
+    /// The angle at an end of a side, from the side to the next edge of the polygon beyond it: all triangles in between are turned about
+    /// their sides into the plane of this one.
+    fn turn(&self, side: Side, pivot: DVec3) -> Turn {
         let mut twin = self.twin(side);
-        let mut turn: Option<DVec2> = None;
+        let (mut turn, mut has_turned): (Option<DVec2>, bool) = (None, false);
         while twin != NONE && twin.triangle != side.triangle {
             let [from, to, next] = self.corners(twin);
             let other = if from == pivot { to } else { from };
             let step = angle(pivot, other, next);
             let sum = turn.map_or(step, |turn| turn.normalize_or_zero().rotate(step));
-            if sum.y <= 0.0 || sum.y.is_nan() {
-                return None;
-            }
+            has_turned |= is_reflex(sum);
             turn = Some(sum);
             let beyond = Side { from: (twin.from + if from == pivot { 2 } else { 1 }) % 3, ..twin };
             twin = self.twin(beyond);
         }
-        turn.filter(|_| twin == NONE)
+        match turn {
+            Some(_) if twin == NONE && has_turned => Turn::Reflex,
+            Some(turn) if twin == NONE => Turn::To(turn),
+            _ => Turn::Nowhere,
+        }
     }
+}
+
+/// The way round an end of a side to the next edge.
+enum Turn {
+    /// There is no edge: the side is one itself, or triangles are all round its end.
+    Nowhere,
+    /// More than 180 degrees.
+    Reflex,
+    /// The angle, as a vector in its direction.
+    To(DVec2),
+}
+
+/// Is the angle of a vector above 180 degrees, by more than a degree? Sums of angles are below 360 degrees.
+fn is_reflex(turn: DVec2) -> bool {
+    turn.y < 0.0 && (turn.x > 0.0 || turn.y < MOST_BENT * turn.x)
 }
 
 /// The angle between the directions from a corner to two others, as a vector in its direction, from 0 to 180 degrees.
