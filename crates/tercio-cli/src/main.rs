@@ -141,8 +141,7 @@ fn run(cli: Cli) -> ExitCode {
 fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
     if error.is::<output::UsageError>() {
         if mpi::is_first_alike() {
-            messages::error(error);
-            messages::note("\nFor more information, try '--help'.");
+            messages::usage_error(error);
         }
         return ExitCode::from(2);
     }
@@ -154,8 +153,7 @@ fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
 fn print_answer(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         if mpi::is_first_alike() {
-            // A closed standard error changes nothing.
-            let _ = answer.print();
+            messages::answer(answer);
         }
         return ExitCode::from(2);
     }

@@ -1,5 +1,6 @@
 //! Messages on standard error, one line each.
 
+use std::borrow::Cow;
 use std::io;
 
 use anstream::adapter::strip_str;
@@ -19,6 +20,17 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 /// `error: ...`
 pub fn error(error: &Error) {
     say(ERROR, "error", &text(error));
+}
+
+/// `error: ...` of wrong usage, with what else the parser says of it.
+pub fn usage_error(error: &Error) {
+    let text = format!("{}\n\nFor more information, try '--help'.", line(ERROR, "error", &text(error)));
+    write_line(&text);
+}
+
+/// The parser's message, in one piece: it prints in several, between which mpirun or another process may print.
+pub fn answer(answer: &clap::Error) {
+    write_line(for_this_run(&answer.render().ansi().to_string()).trim_end_matches('\n'));
 }
 
 /// An error with every cause that the text does not already contain.
@@ -62,12 +74,20 @@ pub fn note(text: &str) {
     write_line(text);
 }
 
-/// Coloured like usage errors: on terminals with colours, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
 fn say(style: Style, kind: &str, text: &str) {
+    write_line(&line(style, kind, text));
+}
+
+fn line(style: Style, kind: &str, text: &str) -> String {
     // File names may contain line breaks, but a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    let line = format!("{style}{kind}:{style:#} {}", text.join(" "));
-    let is_coloured = AutoStream::choice(&io::stderr()) != ColorChoice::Never;
-    let line = if is_coloured { line } else { strip_str(&line).to_string() };
-    write_line(&line);
+    for_this_run(&format!("{style}{kind}:{style:#} {}", text.join(" "))).into_owned()
+}
+
+/// Coloured like usage errors: on terminals with colours, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
+fn for_this_run(text: &str) -> Cow<'_, str> {
+    match AutoStream::choice(&io::stderr()) {
+        ColorChoice::Never => strip_str(text).to_string().into(),
+        _ => text.into(),
+    }
 }

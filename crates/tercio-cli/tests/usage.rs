@@ -164,3 +164,37 @@ fn a_program_without_mpi_tells_mpirun_how_to_build_one() {
     // A job of one process is the same as no job.
     run("render model.off -o a.png", "1").ok_silently();
 }
+
+/// Messages of other processes of a job come between two writes, not into one.
+#[cfg(unix)]
+#[test]
+fn messages_are_written_at_once() {
+    use std::os::fd::OwnedFd;
+    use std::os::unix::net::UnixDatagram;
+
+    let place = Place::new();
+    std::fs::write(place.path("model.off"), "OFF 0 0 0").unwrap();
+    for (arguments, says) in [
+        ("render model.off -o a.png --size 0x9", "--size"),
+        ("render", "required"),
+        ("render model.off -o ./model.off --format png", "an output must not be an input"),
+        ("info missing.off", "missing.off"),
+    ] {
+        // Each write is a message of its own.
+        let (reader, writer) = UnixDatagram::pair().unwrap();
+        let status = place.command(arguments).stderr(OwnedFd::from(writer)).status().unwrap();
+        assert!(!status.success(), "{arguments}");
+        reader.set_nonblocking(true).unwrap();
+        let mut bytes = [0; 1 << 14];
+        let mut writes = Vec::new();
+        while let Ok(count @ 1..) = reader.recv(&mut bytes) {
+            writes.push(String::from_utf8_lossy(&bytes[..count]).into_owned());
+        }
+        let [text] = &writes[..] else { panic!("{arguments}: {writes:?}") };
+        assert!(
+            text.starts_with("error: ") && text.contains(says) && text.ends_with('\n'),
+            "{arguments}: {text}"
+        );
+        assert_eq!(text.contains("For more information"), status.code() == Some(2), "{arguments}: {text}");
+    }
+}
