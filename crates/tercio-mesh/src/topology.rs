@@ -155,14 +155,16 @@ impl Tally {
 
 /// Union-find that several threads may use at once: links only ever point to lower numbers, so the resulting roots do
 /// not depend on the order of the joins.
-struct Parts(Vec<AtomicU32>);
+pub(crate) struct Parts(Vec<AtomicU32>);
 
 impl Parts {
-    fn new(n: usize) -> Self {
+    /// Of so many vertices, each alone.
+    pub(crate) fn new(n: usize) -> Self {
         Self((0..n as u32).into_par_iter().map(AtomicU32::new).collect())
     }
 
-    fn find(&self, mut v: u32) -> u32 {
+    /// The vertex with the lowest number in the part of this one.
+    pub(crate) fn find(&self, mut v: u32) -> u32 {
         loop {
             let up = self.0[v as usize].load(Relaxed);
             if up == v {
@@ -175,7 +177,8 @@ impl Parts {
         }
     }
 
-    fn join(&self, a: u32, b: u32) {
+    /// Joins the parts of two vertices.
+    pub(crate) fn join(&self, a: u32, b: u32) {
         loop {
             let (a, b) = (self.find(a), self.find(b));
             if a == b {

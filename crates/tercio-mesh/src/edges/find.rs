@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::loops::prelude::*;
 
@@ -10,6 +10,7 @@ use super::polygons::{self, Joined};
 use super::{Edge, EdgeKind, Edges, Selection, bend, normals_beside};
 use crate::Mesh;
 use crate::adjacency::Adjacency;
+use crate::topology::Parts;
 use crate::trig::sin_cos;
 use crate::weld::position_representatives;
 
@@ -93,17 +94,43 @@ pub fn edges(
     });
     let list = list.collect();
     let is_solid = open == 0 && !mesh.triangles.is_empty();
+    let is_outward = is_solid && all_parts_are_outward(mesh, &same);
     let sides: Vec<u8> = sides.into_iter().map(AtomicU8::into_inner).collect();
     let corners = |t: u32| turned(mesh.triangles[t as usize]);
     let at = |t: u32, corner: u8| {
-        glam::DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
+        DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
     };
     let beyond = polygons::beyond(&sides, &joined, at);
     let bounds = positions
         .iter()
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], &p| [min.min(p.into()), max.max(p.into())]);
     let (origin, exponent, cones) = (mesh.origin, mesh.exponent, Default::default());
-    Edges { origin, exponent, positions, list, sides, beyond, is_solid, bounds, cones }
+    Edges { origin, exponent, positions, list, sides, beyond, is_solid, is_outward, bounds, cones }
+}
+
+/// Does each part of a closed surface have its outside on the outside: is its volume, as its triangles are wound, above 0?
+fn all_parts_are_outward(mesh: &Mesh, same: &[u32]) -> bool {
+    let parts = Parts::new(mesh.positions.len());
+    mesh.triangles.par_iter().for_each(|triangle| {
+        let [a, b, c] = triangle.map(|v| same[v as usize]);
+        parts.join(a, b);
+        parts.join(b, c);
+    });
+    // One after another: the volume must not depend on the threads.
+    let mut volumes = vec![0.0; mesh.positions.len()];
+    let origin = mesh.positions.first().copied().unwrap_or_default();
+    let at =
+        |v: u32| DVec3::from(mesh.positions[v as usize].map(f64::from)) - DVec3::from(origin.map(f64::from));
+    let mut roots = Vec::new();
+    for &[a, b, c] in &mesh.triangles {
+        let root = parts.find(same[a as usize]);
+        let volume = &mut volumes[root as usize];
+        if *volume == 0.0 {
+            roots.push(root);
+        }
+        *volume += at(a).dot(at(b).cross(at(c)));
+    }
+    roots.iter().all(|&root| volumes[root as usize] > 0.0)
 }
 
 struct Finder<'a, F, T> {
@@ -185,7 +212,7 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             Selection::Feature(angle) => angle,
             Selection::Silhouette => 0.0,
         };
-        let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
+        let at = |v: u32| DVec3::from(self.mesh.positions[v as usize].map(f64::from));
         let (sin, cos) = bend(normals_beside(at(v), at(a.to), [at(a.apex), at(b.apex)]));
         if self.selection == Selection::Silhouette {
             // What is flat up to rounding is never a silhouette.

@@ -60,6 +60,17 @@ impl Edge {
     pub const NONE: u32 = u32::MAX;
 }
 
+/// Where an edge is, in the space of [`Edges::positions`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeCorners {
+    /// Its ends, as in [`Edge::ends`].
+    pub ends: [[f32; 3]; 2],
+    /// The third corners of its triangles, as in [`Edge::apexes`].
+    pub apexes: [Option<[f32; 3]>; 2],
+    /// What meets there.
+    pub kind: EdgeKind,
+}
+
 /// The edges of polygons of several triangles that are no sides of a triangle, but begin at its corners: where they are in its
 /// plane. Numbers of corners and sides are those of the [canonical](Mesh::canonical) triangles.
 ///
@@ -123,6 +134,8 @@ pub struct Edges {
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
+    /// It is solid, and no part of it is turned inside out, as the wall of a cavity is: each part encloses a volume above 0.
+    pub is_outward: bool,
     /// The box of the positions; empty without any.
     bounds: [Vec3; 2],
     /// Of the list, to find silhouettes.
@@ -156,6 +169,28 @@ impl Edges {
     pub fn position(&self, vertex: u32) -> DVec3 {
         let p = DVec3::from(self.positions[vertex as usize].map(f64::from));
         self.origin + p * self.unit()
+    }
+
+    /// Calls a function for edges of the list, given by their numbers, in this order, with their corners.
+    ///
+    /// # Panics
+    /// If there is no edge with such a number.
+    pub fn for_each_corners(&self, numbers: &[u32], mut with: impl FnMut(u32, &EdgeCorners)) {
+        // All of a few edges are fetched first: if nothing else is done between, the processor waits for their memory once.
+        const TOGETHER: usize = 32;
+        let nowhere = EdgeCorners { ends: [[0.0; 3]; 2], apexes: [None; 2], kind: EdgeKind::Inner };
+        let mut fetched = [nowhere; TOGETHER];
+        for numbers in numbers.chunks(TOGETHER) {
+            for (corners, &number) in fetched.iter_mut().zip(numbers) {
+                let edge = &self.list[number as usize];
+                corners.ends = edge.ends.map(|v| self.positions[v as usize]);
+                corners.apexes = edge.apexes.map(|v| self.positions.get(v as usize).copied());
+                corners.kind = edge.kind;
+            }
+            for (corners, &number) in fetched.iter().zip(numbers) {
+                with(number, corners);
+            }
+        }
     }
 
     /// The box of the vertices that edges use, in object space.

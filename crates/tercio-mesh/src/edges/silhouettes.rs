@@ -4,12 +4,16 @@
 //! smooth surface are seen from one side, and none of their edges is looked at. Of the others, nearly all are decided by the normals
 //! of their triangles, which are stored in the order of the groups.
 
+mod cones;
+
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
+use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
 
-use super::{Edge, Edges, normals_beside};
+use self::cones::{Block, Candidates, Cone, GROUP, LANES, Sight};
+use super::{Edge, EdgeCorners, EdgeKind, Edges, normals_beside};
 use crate::OctNormal;
 use crate::blocks::interleave;
 use crate::loops::prelude::*;
@@ -29,8 +33,6 @@ const LEAST_HEIGHT: f64 = 1e-6;
 // even when rounded.
 const _: () = assert!(LEAST_HEIGHT * LEAST_ANGLE > 10.0 * EDGE_ON);
 
-/// Edges in a group; the last one may be smaller.
-const GROUP: usize = 8;
 /// Cells along each axis of the grid by which edges are grouped.
 const CELLS: f32 = 1024.0;
 /// So many pictures look at every edge: for less of them than that, cones do not pay.
@@ -51,34 +53,41 @@ impl Edges {
     ///
     /// After two viewers the edges are grouped, which takes as long as three or four more, and 17 bytes an edge from then on.
     pub fn silhouettes(&self, viewer: Viewer) -> Vec<u32> {
-        let edge_on = EDGE_ON * self.diagonal();
-        let may_be_on = |&number: &u32| !self.is_between(&self.list[number as usize], viewer, edge_on);
-        match self.cones.for_view(self) {
-            None => (0..self.list.len() as u32).into_par_iter().filter(may_be_on).collect(),
-            Some(cones) => {
-                let found: Vec<u32> = cones.candidates(viewer, may_be_on);
-                order_of(&found).into_iter().map(|place| found[place as usize]).collect()
-            }
-        }
+        self.find_silhouettes(viewer, false)
     }
 
-    /// Are the two triangles of an edge on both sides of the plane through the viewer and the edge, and their apexes farther from it than
-    /// `edge_on`?
-    fn is_between(&self, edge: &Edge, viewer: Viewer, edge_on: f64) -> bool {
-        let [a, b] = edge.apexes;
-        if b == Edge::NONE {
-            return false;
-        }
-        let (eye, direction) = match viewer {
-            Viewer::At(eye) => (eye, None),
-            Viewer::Along(direction) => (DVec3::ZERO, Some(direction)),
+    /// Of the [silhouettes](Edges::silhouettes) those that a mesh does not hide itself, if the viewer is outside of it: where it
+    /// [is outward](Edges::is_outward), those of convex edges, and all where it is not. At a concave edge the viewer, who is behind
+    /// one of the triangles and in front of the other one, looks through the mesh.
+    pub fn outlines(&self, viewer: Viewer) -> Vec<u32> {
+        self.find_silhouettes(viewer, self.is_outward)
+    }
+
+    fn find_silhouettes(&self, viewer: Viewer, only_convex: bool) -> Vec<u32> {
+        let cones = self.cones.for_view(self);
+        let (mut found, looked_at) = match cones {
+            None => (Vec::new(), (0..self.list.len() as u32).collect()),
+            Some(cones) => cones.candidates(viewer, only_convex),
         };
-        let at = |v: u32| self.local(v) - eye;
-        let from = at(edge.ends[0]);
-        let plane = (at(edge.ends[1]) - from).cross(direction.unwrap_or(from));
-        let [a, b] = [a, b].map(|v| plane.dot(at(v) - from));
-        let limit2 = edge_on * edge_on * plane.length_squared();
-        (a < 0.0) != (b < 0.0) && a * a > limit2 && b * b > limit2
+        let edge_on = EDGE_ON * self.diagonal();
+        let on: Vec<u32> = looked_at
+            .par_chunks(1 << 10)
+            .flat_map_iter(|numbers| {
+                let mut on = Vec::new();
+                self.for_each_corners(numbers, |number, corners| {
+                    let is_hidden = only_convex && is_concave(corners, edge_on);
+                    if !is_hidden && !is_between(corners, viewer, edge_on) {
+                        on.push(number);
+                    }
+                });
+                on
+            })
+            .collect();
+        if cones.is_none() {
+            return on;
+        }
+        found.extend(on);
+        order_of(&found).into_iter().map(|place| found[place as usize]).collect()
     }
 
     /// Position of a vertex, in the space of [`Edges::positions`].
@@ -91,6 +100,30 @@ impl Edges {
         let [min, max] = self.bounds.map(|corner| corner.as_dvec3());
         (max - min).length()
     }
+}
+
+/// Are the two triangles of an edge on both sides of the plane through the viewer and the edge, and their apexes farther from it than
+/// `edge_on`?
+fn is_between(corners: &EdgeCorners, viewer: Viewer, edge_on: f64) -> bool {
+    let [Some(a), Some(b)] = corners.apexes else { return false };
+    let (eye, direction) = match viewer {
+        Viewer::At(eye) => (eye, None),
+        Viewer::Along(direction) => (DVec3::ZERO, Some(direction)),
+    };
+    let at = |p: [f32; 3]| DVec3::from(p.map(f64::from)) - eye;
+    let from = at(corners.ends[0]);
+    let plane = (at(corners.ends[1]) - from).cross(direction.unwrap_or(from));
+    let [a, b] = [a, b].map(|p| plane.dot(at(p) - from));
+    let limit2 = edge_on * edge_on * plane.length_squared();
+    (a < 0.0) != (b < 0.0) && a * a > limit2 && b * b > limit2
+}
+
+/// Is the second triangle in front of the first one, its apex farther than `edge_on` from its plane?
+fn is_concave(corners: &EdgeCorners, edge_on: f64) -> bool {
+    let (EdgeKind::Inner, [Some(a), Some(b)]) = (corners.kind, corners.apexes) else { return false };
+    let [from, to, a, b] = [corners.ends[0], corners.ends[1], a, b].map(|p| DVec3::from(p.map(f64::from)));
+    let normal = (to - from).cross(a - from);
+    normal.dot(b - from) > edge_on * normal.length()
 }
 
 /// The cones of edges that are seen by several viewers.
@@ -127,66 +160,76 @@ impl LazyCones {
 /// Groups of edges that are near each other, with their cones.
 #[derive(Clone, Debug)]
 struct Cones {
-    /// The numbers of the edges, group by group.
+    /// The numbers of the edges, group by group; of a mesh that is outward, concave ones come last.
     order: Vec<u32>,
+    /// How many others there are.
+    convex: usize,
     /// The normals beside each of them, as [`normals_beside`] has them; [`NO_NORMALS`] if it has only one triangle, or one that is not
     /// high enough.
     normals: Vec<[OctNormal; 2]>,
-    list: Vec<Cone>,
+    blocks: Vec<Block>,
 }
+
+/// Bit of the keys of concave edges, above all of a cell.
+const CONCAVE: u32 = 1 << 30;
 
 const NO_NORMALS: [OctNormal; 2] = [OctNormal::NONE; 2];
 
-/// The cone of a group.
-#[derive(Clone, Copy, Debug)]
-struct Cone {
-    /// A sphere that holds the first ends of all edges.
-    center: Vec3,
-    radius: f32,
-    /// The direction of the middle. The normals of both triangles at each edge, or the opposite ones of both, are in the cone.
-    axis: Vec3,
-    /// Sine and cosine of the angle between the axis and the surface of the cone, plus [`LEAST_ANGLE`].
-    sin: f32,
-    cos: f32,
-}
+/// Blocks that one thread looks through at once, at least.
+const BLOCKS: usize = 64;
 
 impl Cones {
     fn new(edges: &Edges) -> Self {
         let [min, max] = edges.bounds;
         let scale = CELLS / (max - min).max_element();
         let cell = |p: [f32; 3]| ((Vec3::from(p) - min) * scale).min(Vec3::splat(CELLS - 1.0)).as_uvec3();
-        let key = |edge: &Edge| interleave(cell(edges.positions[edge.ends[0] as usize]).to_array());
-        let keys: Vec<u32> = edges.list.par_iter().map(key).collect();
+        let numbers: Vec<u32> = (0..edges.list.len() as u32).collect();
+        let edge_on = EDGE_ON * edges.diagonal();
+        let keys: Vec<u32> = numbers
+            .par_chunks(1 << 10)
+            .flat_map_iter(|numbers| {
+                let mut keys = Vec::with_capacity(numbers.len());
+                edges.for_each_corners(numbers, |_, corners| {
+                    let last = if edges.is_outward && is_concave(corners, edge_on) { CONCAVE } else { 0 };
+                    keys.push(interleave(cell(corners.ends[0]).to_array()) | last);
+                });
+                keys
+            })
+            .collect();
+        drop(numbers);
         let order = order_of(&keys);
+        let convex = keys.iter().filter(|&&key| key < CONCAVE).count();
         drop(keys);
         let (least_height, more) = (LEAST_HEIGHT * edges.diagonal(), sin_cos(LEAST_ANGLE));
         let cone = |numbers: &[u32]| Cone::new(edges, numbers, least_height, more);
-        let list = order.par_chunks(GROUP).with_min_len(256).map(cone).collect();
+        let block = |numbers: &[u32]| Block::new(numbers.chunks(GROUP).map(cone));
+        let blocks = order.par_chunks(GROUP * LANES).with_min_len(16).map(block).collect();
         let encoded = |number: &u32| match normals(edges, &edges.list[*number as usize], least_height) {
             Some(both) => both.map(|normal| OctNormal::from_vector(normal.to_array())),
             None => NO_NORMALS,
         };
         let normals = order.par_iter().map(encoded).collect();
-        Self { order, normals, list }
+        Self { order, convex, normals, blocks }
     }
 
-    /// The numbers, in no order, for which `may_be_on` holds, of edges that are not in groups seen from one side; edges whose normals
-    /// decide it are not asked for.
-    fn candidates(&self, viewer: Viewer, may_be_on: impl Fn(&u32) -> bool + Sync) -> Vec<u32> {
-        let edges = self.order.par_chunks(GROUP).zip(self.normals.par_chunks(GROUP));
-        let (groups, may_be_on) = (edges.zip(&self.list).with_min_len(256), &may_be_on);
-        let groups = groups.filter(|(_, cone)| !cone.is_seen_from_one_side(viewer));
-        groups
-            .flat_map_iter(|((numbers, normals), cone)| {
-                let sight = cone.sight(viewer);
-                let is_on = move |number: &u32, both: [OctNormal; 2]| match sight.sides(both) {
-                    Some([a, b]) => a != b,
-                    None => may_be_on(number),
-                };
-                let found = numbers.iter().zip(normals).filter(move |(number, both)| is_on(number, **both));
-                found.map(|(number, _)| *number)
+    /// The numbers, in no order, of edges that are on the silhouette, and of those that may be on it.
+    fn candidates(&self, viewer: Viewer, only_convex: bool) -> (Vec<u32>, Vec<u32>) {
+        const EDGES: usize = GROUP * LANES * BLOCKS;
+        let (sight, level) = (Sight::new(viewer), Level::new());
+        let all = ..if only_convex { self.convex } else { self.order.len() };
+        let edges = self.order[all].par_chunks(EDGES).zip(self.normals[all].par_chunks(EDGES));
+        let found: Vec<Candidates> = self
+            .blocks
+            .par_chunks(BLOCKS)
+            .zip(edges)
+            .map(|(blocks, (numbers, normals))| {
+                let mut found = Candidates::default();
+                dispatch!(level, _ => found.look_through(&sight, blocks, numbers, normals));
+                found
             })
-            .collect()
+            .collect();
+        let of = |part: fn(&Candidates) -> &[u32]| found.iter().flat_map(part).copied().collect();
+        (of(|found| &found.on), of(|found| &found.unknown))
     }
 }
 
@@ -200,83 +243,6 @@ fn normals(edges: &Edges, edge: &Edge, least_height: f64) -> Option<[DVec3; 2]> 
     let least = least_height * from.distance(to);
     let is_high = |normal: &DVec3| normal.length() > least && normal.is_finite();
     both.iter().all(is_high).then(|| both.map(DVec3::normalize))
-}
-
-/// How a viewer sees the first ends of the edges of a group.
-struct Sight {
-    /// From the viewer to the middle of them.
-    towards: DVec3,
-    /// How far from a plane through the middle the viewer is at least, if its distance from a parallel one through the first end of each
-    /// edge is more than [`LEAST_ANGLE`] and [`ROUNDING`] allow.
-    least: f64,
-}
-
-impl Sight {
-    /// On which side of both triangles of an edge the viewer is, if it is certainly not nearly in the plane of one of them.
-    fn sides(&self, normals: [OctNormal; 2]) -> Option<[bool; 2]> {
-        // Not longer than 1, but possibly shorter.
-        let distances = normals.map(|normal| Vec3::from(normal.decode()).as_dvec3().dot(self.towards));
-        let is_certain =
-            normals != NO_NORMALS && distances.iter().all(|distance| distance.abs() > self.least);
-        is_certain.then(|| distances.map(|distance| distance < 0.0))
-    }
-}
-
-impl Cone {
-    /// `more` are sine and cosine of [`LEAST_ANGLE`].
-    fn new(edges: &Edges, numbers: &[u32], least_height: f64, more: (f64, f64)) -> Self {
-        let group = || numbers.iter().map(|&number| &edges.list[number as usize]);
-        let first_ends = || group().map(|edge| edges.local(edge.ends[0]));
-        let (min, max) = first_ends()
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| (min.min(p), max.max(p)));
-        let center = ((min + max) * 0.5).as_vec3();
-        let radius = first_ends().map(|p| p.distance(center.as_dvec3())).fold(0.0, f64::max);
-        let anything = Self { center, radius: radius as f32, axis: Vec3::X, sin: 1.0, cos: 0.0 };
-
-        let mut all = [[DVec3::ZERO; 2]; GROUP];
-        let mut sum = DVec3::ZERO;
-        for (pair, edge) in all.iter_mut().zip(group()) {
-            let Some(both) = normals(edges, edge, least_height) else { return anything };
-            // Triangles may be wound either way.
-            let is_turned = sum.dot(both[0] + both[1]) < 0.0;
-            *pair = if is_turned { both.map(|normal| -normal) } else { both };
-            sum += pair[0] + pair[1];
-        }
-        let axis = sum.normalize_or_zero().as_vec3();
-        let used = all[..numbers.len()].as_flattened();
-        let cos = used.iter().map(|normal| normal.dot(axis.as_dvec3())).fold(1.0, f64::min);
-        if cos <= 0.0 {
-            return anything;
-        }
-        let ((sin_more, cos_more), sin) = (more, (1.0 - cos * cos).max(0.0).sqrt());
-        let (sin, cos) = (sin * cos_more + cos * sin_more, cos * cos_more - sin * sin_more);
-        Self { axis, sin: sin as f32, cos: cos as f32, ..anything }
-    }
-
-    /// From the viewer to the middle, and the radius around it that matters.
-    fn towards(&self, viewer: Viewer) -> (DVec3, f64) {
-        match viewer {
-            Viewer::At(eye) => (self.center.as_dvec3() - eye, f64::from(self.radius)),
-            Viewer::Along(direction) => (direction, 0.0),
-        }
-    }
-
-    fn sight(&self, viewer: Viewer) -> Sight {
-        let (towards, radius) = self.towards(viewer);
-        Sight { towards, least: radius + (LEAST_ANGLE + ROUNDING) * (towards.length() + radius) }
-    }
-
-    /// Does the viewer see the same side of all triangles, and none of them nearly edge-on?
-    fn is_seen_from_one_side(&self, viewer: Viewer) -> bool {
-        let (towards, radius) = self.towards(viewer);
-        // With a half the opening of the cone, b half the angle at which the eye sees the sphere (sin b = radius / |towards|, cos b =
-        // tangent / |towards|), and c the angle between `towards` and the axis: all normals are on one side of all lines of sight
-        // if a + b is less than a right angle and |cos c| > sin(a + b). Both sides of both conditions are multiplied by |towards|.
-        let tangent2 = towards.length_squared() - radius * radius;
-        let (tangent, sin, cos) = (tangent2.max(0.0).sqrt(), f64::from(self.sin), f64::from(self.cos));
-        let is_acute = tangent2 > 0.0 && cos * tangent > sin * radius;
-        is_acute && self.axis.as_dvec3().dot(towards).abs() > sin * tangent + cos * radius
-    }
 }
 
 #[cfg(test)]

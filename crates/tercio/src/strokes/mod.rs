@@ -140,7 +140,8 @@ pub enum EdgePart {
     All,
     /// Of those that two triangles share, only those on the silhouette.
     Silhouette,
-    /// The halves of [`EdgePart::Silhouette`] that are on no triangle: what [`SurfaceEdges`] leave out.
+    /// The halves of [`EdgePart::Silhouette`] that are on no triangle: what [`SurfaceEdges`] leave out, unless it is certainly hidden by
+    /// the surface, which is opaque.
     ///
     /// [`SurfaceEdges`]: tercio_scene::SurfaceEdges
     BesideSurface,
@@ -155,24 +156,33 @@ pub fn edges(
     part: EdgePart,
     data: Option<&StrokeData>,
 ) -> Vec<Instance> {
-    let at = |v: u32| eye.eye_space(world_from_object.transform_point3(edges.position(v)));
+    let unit = edges.unit();
+    let at = |p: [f32; 3]| {
+        let p = edges.origin + DVec3::from(p.map(f64::from)) * unit;
+        eye.eye_space(world_from_object.transform_point3(p))
+    };
     let hides_back = edges.is_solid && !is_inside(eye, edges, world_from_object);
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
     let list: Vec<u32> = match part {
         EdgePart::All => (0..edges.list.len() as u32).collect(),
+        EdgePart::BesideSurface if is_in_front(eye, edges, world_from_object) => {
+            edges.outlines(viewer(eye, edges, world_from_object))
+        }
         EdgePart::Silhouette | EdgePart::BesideSurface => {
             edges.silhouettes(viewer(eye, edges, world_from_object))
         }
     };
-    sheet::draw(eye, &colored(plain(), data), &list, |sheet, &number| {
-        let edge = &edges.list[number as usize];
-        let ends = edge.ends.map(at);
-        let mut apexes = edge.apexes.map(|v| (v != tercio_mesh::edges::Edge::NONE).then(|| at(v)));
-        if mirrored && apexes[1].is_some() {
-            apexes.swap(0, 1);
-        }
-        let line = Line { ends, apexes, hides_back, part };
-        line::draw(sheet, &line, pen, edge_inks(number, pen, data));
+    sheet::draw_together(eye, &colored(plain(), data), &list, |sheet, numbers| {
+        edges.for_each_corners(numbers, |number, corners| {
+            let ends = corners.ends.map(at);
+            let mut apexes = corners.apexes.map(|apex| apex.map(at));
+            if mirrored && apexes[1].is_some() {
+                apexes.swap(0, 1);
+            }
+            let line = Line { ends, apexes, hides_back, part };
+            sheet.begin();
+            line::draw(sheet, &line, pen, edge_inks(number, pen, data));
+        });
     })
 }
 
@@ -234,6 +244,14 @@ fn is_inside(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
     let bounds = edges.bounds();
     let at = world_from_object.inverse().transform_point3(eye.position());
     bounds.is_empty() || at.cmpge(bounds.min).all() && at.cmple(bounds.max).all()
+}
+
+/// Is the box of the edges in front of the near plane, so that no surface is cut by it?
+fn is_in_front(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
+    let bounds = edges.bounds();
+    let is_in_front =
+        |corner: DVec3| eye.eye_space(world_from_object.transform_point3(corner)).z > eye.near();
+    bounds.corners().into_iter().all(is_in_front)
 }
 
 /// Where edges at a place in the world are seen from.

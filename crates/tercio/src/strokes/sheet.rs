@@ -75,7 +75,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// Begins a stroke: what is added then belongs to it.
-    fn begin(&mut self) {
+    pub fn begin(&mut self) {
         self.starts.push([self.positions.len() as u32, self.triangles.len() as u32]);
     }
 
@@ -194,12 +194,24 @@ pub fn draw<T: Sync>(
     strokes: &[T],
     draw: impl Fn(&mut Sheet, &T) + Sync,
 ) -> Vec<Instance> {
-    let chunk = |strokes: &[T]| {
-        let mut sheet = Sheet::new(eye, look);
+    draw_together(eye, look, strokes, |sheet, strokes| {
         for stroke in strokes {
             sheet.begin();
-            draw(&mut sheet, stroke);
+            draw(sheet, stroke);
         }
+    })
+}
+
+/// As [`draw`], with a function that draws several strokes, and [begins](Sheet::begin) each of them.
+pub fn draw_together<T: Sync>(
+    eye: &Eye,
+    look: &Look,
+    strokes: &[T],
+    draw: impl Fn(&mut Sheet, &[T]) + Sync,
+) -> Vec<Instance> {
+    let chunk = |strokes: &[T]| {
+        let mut sheet = Sheet::new(eye, look);
+        draw(&mut sheet, strokes);
         sheet.instance(look)
     };
     strokes.par_chunks(CHUNK).filter_map(chunk).collect()
