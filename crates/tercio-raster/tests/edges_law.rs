@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use common::*;
-use tercio_mesh::edges::Beyond;
+use tercio_mesh::edges::{Beyond, Edge, FarEnds, FourthCorners};
 use tercio_mesh::{Attribute, AttributeDomain, Mesh};
 use tercio_raster::{
     Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, reference,
@@ -24,14 +24,44 @@ fn some_sides(mesh: &Mesh, seed: u64) -> Option<Vec<u8>> {
     Some(mesh.triangles.iter().map(|_| random.between(0.0, 8.0) as u8).collect())
 }
 
-/// Any places of edges beyond the sides of the triangles of a mesh: of quadrilaterals, or of polygons.
-fn some_beyond(mesh: &Mesh, seed: u64, of_polygons: bool) -> Beyond {
+/// Kinds of edges beyond the sides of triangles.
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Quadrilaterals,
+    Polygons,
+    Ends,
+}
+
+const KINDS: [Kind; 3] = [Kind::Quadrilaterals, Kind::Polygons, Kind::Ends];
+
+/// Any edges beyond the sides of the triangles of a mesh.
+fn some_beyond(mesh: &Mesh, seed: u64, kind: Kind) -> Beyond {
     let mut random = Random(seed);
-    let mut value = || if random.next() < 0.3 { 0.0 } else { random.between(0.01, 4.0) as f32 };
-    let mut pair = || [value(), value()];
-    match of_polygons {
-        false => Beyond::Quadrilaterals(mesh.triangles.iter().map(|_| pair()).collect()),
-        true => Beyond::Polygons(mesh.triangles.iter().map(|_| [pair(), pair(), pair()]).collect()),
+    let count = mesh.positions.len() as f64;
+    let positions = Arc::new(mesh.positions.clone());
+    match kind {
+        Kind::Quadrilaterals => {
+            let mut vertex =
+                || if random.next() < 0.3 { Edge::NONE } else { random.between(0.0, count) as u32 };
+            Beyond::Quadrilaterals(FourthCorners::new(
+                mesh.triangles.iter().map(|_| vertex()).collect(),
+                positions,
+            ))
+        }
+        Kind::Polygons => {
+            let mut value = || if random.next() < 0.3 { 0.0 } else { random.between(0.01, 4.0) as f32 };
+            let mut pair = || [value(), value()];
+            Beyond::Polygons(mesh.triangles.iter().map(|_| [pair(), pair(), pair()]).collect())
+        }
+        Kind::Ends => {
+            let mut of_triangle = || {
+                let ends = (0..6).filter(|_| random.next() < 0.5).collect::<Vec<u8>>();
+                let end = |code: u8| (code / 2, code % 2, random.between(0.0, count) as u32);
+                ends.into_iter().map(end).collect()
+            };
+            let all: Vec<_> = mesh.triangles.iter().map(|_| of_triangle()).collect();
+            Beyond::Ends(FarEnds::new(&all, positions))
+        }
     }
 }
 
@@ -58,8 +88,9 @@ fn every_shading_and_sampling() {
         (None, Beyond::Nothing, 1.0, 1.0),
         (some_sides(&mesh, 2), Beyond::Nothing, 0.4, 2.5),
         (None, Beyond::Nothing, 1.0, 0.4),
-        (some_sides(&mesh, 2), some_beyond(&mesh, 8, false), 1.0, 1.5),
-        (some_sides(&mesh, 2), some_beyond(&mesh, 9, true), 0.7, 1.5),
+        (some_sides(&mesh, 2), some_beyond(&mesh, 8, Kind::Quadrilaterals), 1.0, 1.5),
+        (some_sides(&mesh, 2), some_beyond(&mesh, 9, Kind::Polygons), 0.7, 1.5),
+        (some_sides(&mesh, 2), some_beyond(&mesh, 10, Kind::Ends), 1.0, 1.5),
     ] {
         let mut scene = with_beyond(edged(&mesh, width, sides), beyond, opacity);
         scene.lights.push(Light::headlight([3.0, 0.2, 0.4]));
@@ -109,10 +140,12 @@ fn the_fastest_kernels() {
             (None, Beyond::Nothing),
             (Some(None), Beyond::Nothing),
             (Some(some_sides(&mesh, 3)), Beyond::Nothing),
-            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 4, false)),
-            (Some(None), some_beyond(&mesh, 5, false)),
-            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 6, true)),
-            (Some(None), some_beyond(&mesh, 7, true)),
+            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 4, Kind::Quadrilaterals)),
+            (Some(None), some_beyond(&mesh, 5, Kind::Quadrilaterals)),
+            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 6, Kind::Polygons)),
+            (Some(None), some_beyond(&mesh, 7, Kind::Polygons)),
+            (Some(some_sides(&mesh, 3)), some_beyond(&mesh, 8, Kind::Ends)),
+            (Some(None), some_beyond(&mesh, 9, Kind::Ends)),
         ] {
             let what = format!("data {number}, edges {:?}", edges.as_ref().map(Option::is_some));
             let black = |sides| SurfaceEdges { beyond, ..SurfaceEdges::new([0, 0, 0], 1.0, sides) };
@@ -133,10 +166,10 @@ fn what_is_clipped_and_translucent_and_other_instances() {
     let mut scene = with_second_instance(edged(&mesh, 1.5, some_sides(&mesh, 6)));
     check_all(&mesh, &scene, &inside, &everything(71, 57), "inside");
     check_all(&mesh, &scene, &inside, &colors_only(50, 40), "inside, samples");
-    for of_polygons in [false, true] {
-        let other = with_beyond(scene.clone(), some_beyond(&mesh, 7, of_polygons), 0.5);
-        check_all(&mesh, &other, &inside, &everything(71, 57), &format!("inside, polygons: {of_polygons}"));
-        check_all(&mesh, &other, &flat, &colors_only(50, 40), &format!("flat, polygons: {of_polygons}"));
+    for kind in KINDS {
+        let other = with_beyond(scene.clone(), some_beyond(&mesh, 7, kind), 0.5);
+        check_all(&mesh, &other, &inside, &everything(71, 57), &format!("inside, {kind:?}"));
+        check_all(&mesh, &other, &flat, &colors_only(50, 40), &format!("flat, {kind:?}"));
     }
     scene.instances[1].edges = None;
     scene.instances[0].surface.opacity = 0.6;
@@ -161,23 +194,18 @@ fn other_planes_are_those_without_edges() {
 fn edges_that_cannot_be_are_refused() {
     let mesh = soup(10, 9);
     let black = || SurfaceEdges::new([0; 3], 1.0, None);
-    let last_place = |place: f32, of_polygons: bool| {
-        let mut places = vec![[1e6, -0.0]; 10];
-        places[9][1] = place;
-        let beyond = match of_polygons {
-            false => Beyond::Quadrilaterals(places),
-            true => Beyond::Polygons(places.into_iter().map(|place| [[0.0; 2], [1.0; 2], place]).collect()),
-        };
-        SurfaceEdges { beyond, ..black() }
+    let last_place = |place: f32| {
+        let mut places = vec![[[0.0; 2], [1.0; 2], [1e6, -0.0]]; 10];
+        places[9][2][1] = place;
+        SurfaceEdges { beyond: Beyond::Polygons(places), ..black() }
     };
     let wrong_places =
         [-f32::MIN_POSITIVE, 1.01e6, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, -f32::NAN]
             .into_iter()
-            .flat_map(|place| [false, true].map(|of_polygons| last_place(place, of_polygons)))
-            .map(|edges| (edges, "place of an edge beyond a side"));
+            .map(|place| (last_place(place), "place of an edge beyond a side"));
     for place in [0.0, -0.0, 1e6] {
         let mut scene = scene(&mesh);
-        scene.instances[0].edges = Some(Arc::new(last_place(place, true)));
+        scene.instances[0].edges = Some(Arc::new(last_place(place)));
         Renderer::new().render(&scene, &camera(), &everything(10, 10)).expect("right places");
     }
     for (edges, wrong) in [
@@ -190,7 +218,17 @@ fn edges_that_cannot_be_are_refused() {
         (SurfaceEdges { opacity: 1.5, ..black() }, "opacity of edges"),
         (SurfaceEdges { opacity: f32::NAN, ..black() }, "opacity of edges"),
         (
-            SurfaceEdges { beyond: Beyond::Quadrilaterals(vec![[1.0; 2]; 9]), ..black() },
+            SurfaceEdges {
+                beyond: Beyond::Quadrilaterals(FourthCorners::new(vec![0; 9], Arc::default())),
+                ..black()
+            },
+            "number of triangles with edges",
+        ),
+        (
+            SurfaceEdges {
+                beyond: Beyond::Ends(FarEnds::new(&vec![Vec::new(); 11], Arc::default())),
+                ..black()
+            },
             "number of triangles with edges",
         ),
         (

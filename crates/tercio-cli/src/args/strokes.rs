@@ -305,7 +305,7 @@ impl StrokeArgs {
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
-    /// The edges of a surface that are drawn where the surface is shaded: all of them, of flat polygons, as thin lines.
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines.
     pub fn on_surface(&self, edges: &Edges) -> Option<SurfaceEdges> {
         let Pen { width: Length::Pixels(width), color: [r, g, b, alpha] } = self.edge_pen() else {
             return None;
@@ -314,7 +314,11 @@ impl StrokeArgs {
         if !self.has_surface() || !is_thin || self.plain() != Some(EdgesName::All) {
             return None;
         }
-        let beyond = edges.beyond.clone()?;
+        let beyond = edges.beyond.clone();
+        // Where polygons are bent, lines on the surface and strips lie over each other.
+        if edges.folds.is_some() && alpha < 255 {
+            return None;
+        }
         let has_polygons = beyond != Beyond::Nothing;
         let lines = SurfaceEdges::new([r, g, b], width as f32, has_polygons.then(|| edges.sides.clone()));
         Some(SurfaceEdges { opacity: f32::from(alpha) / 255.0, beyond, ..lines })

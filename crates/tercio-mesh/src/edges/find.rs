@@ -1,13 +1,14 @@
 //! Finds the edges of an indexed mesh.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use glam::{DVec3, Vec3};
 
 use crate::loops::prelude::*;
 
-use super::polygons::{self, Joined};
-use super::{Edge, EdgeKind, Edges, Selection, bend, normals_beside};
+use super::polygons::{self, BentSide, Corners, Joined, OfPolygons};
+use super::{Edge, EdgeKind, Edges, Folds, Selection, bend, normals_beside};
 use crate::Mesh;
 use crate::adjacency::Adjacency;
 use crate::topology::Parts;
@@ -72,7 +73,6 @@ pub fn edges(
             a.joined.extend(b.joined);
             Found { open: a.open + b.open, ..a }
         });
-    drop(around);
     let Found { edges: mut placed, joined, open } = found;
     placed.par_sort_unstable_by_key(|edge| edge.0);
 
@@ -87,12 +87,15 @@ pub fn edges(
         }
         *known
     };
-    let list = placed.into_iter().map(|(_, edge)| Edge {
-        ends: edge.ends.map(&mut number),
-        apexes: edge.apexes.map(|v| if v == Edge::NONE { v } else { number(v) }),
-        ..edge
-    });
-    let list = list.collect();
+    let list: Vec<Edge> = placed
+        .into_iter()
+        .map(|(_, edge)| Edge {
+            ends: edge.ends.map(&mut number),
+            apexes: edge.apexes.map(|v| if v == Edge::NONE { v } else { number(v) }),
+            ..edge
+        })
+        .collect();
+    let positions = Arc::new(positions);
     let is_solid = open == 0 && !mesh.triangles.is_empty();
     let is_outward = is_solid && all_parts_are_outward(mesh, &same);
     let sides: Vec<u8> = sides.into_iter().map(AtomicU8::into_inner).collect();
@@ -100,12 +103,56 @@ pub fn edges(
     let at = |t: u32, corner: u8| {
         DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
     };
-    let beyond = polygons::beyond(&sides, &joined, at);
+    let vertex = |t: u32, corner: u8| numbers[same[corners(t)[usize::from(corner)] as usize] as usize];
+    let of_polygons = polygons::of_polygons(&sides, &joined, Corners { at, vertex }, &positions);
+    let OfPolygons { beyond, bent } = of_polygons;
     let bounds = positions
         .iter()
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], &p| [min.min(p.into()), max.max(p.into())]);
-    let (origin, exponent, cones) = (mesh.origin, mesh.exponent, Default::default());
-    Edges { origin, exponent, positions, list, sides, beyond, is_solid, is_outward, bounds, cones }
+    let of_list = |list: Vec<Edge>| Edges {
+        origin: mesh.origin,
+        exponent: mesh.exponent,
+        positions: Arc::clone(&positions),
+        list,
+        is_solid,
+        is_outward,
+        bounds,
+        ..Edges::default()
+    };
+    // The triangle that an edge is listed for is the first one that has both of its ends.
+    let number_of = |(t, from): (u32, u8)| {
+        let ends = [from, (from + 1) % 3].map(|corner| corners(t)[usize::from(corner)]);
+        let ends = ends.map(|v| same[v as usize]);
+        let has_both = |t: &&u32| {
+            let all = mesh.triangles[**t as usize].map(|v| same[v as usize]);
+            ends.iter().all(|end| all.contains(end))
+                && all[0] != all[1]
+                && all[1] != all[2]
+                && all[2] != all[0]
+        };
+        let first = around.at(ends[0] as usize).iter().filter(has_both).min()?;
+        let ends = ends.map(|v| numbers[v as usize]);
+        let start = list.partition_point(|edge| edge.triangle < *first);
+        let is_it = |edge: &&Edge| edge.ends == ends || edge.ends == [ends[1], ends[0]];
+        let of_first = list[start..].iter().take_while(|edge| edge.triangle == *first);
+        of_first.zip(start as u32..).find(|(edge, _)| is_it(edge)).map(|(_, number)| number)
+    };
+    let folds = (!bent.is_empty()).then(|| {
+        let edge =
+            |BentSide { joined: Joined { triangles: [a, b], corners: [of_a, of_b] }, .. }: &BentSide| Edge {
+                ends: [vertex(*a, *of_a), vertex(*a, (of_a + 1) % 3)],
+                apexes: [vertex(*a, (of_a + 2) % 3), vertex(*b, (of_b + 2) % 3)],
+                kind: EdgeKind::Inner,
+                triangle: *a,
+            };
+        let numbers = |fold: &BentSide| fold.edges.map(|side| side.and_then(number_of).unwrap_or(Edge::NONE));
+        // A vertex that no edge uses, inside of a polygon, has no number.
+        let is_known = |edge: &Edge| !edge.ends.iter().chain(&edge.apexes).any(|&v| v == Edge::NONE);
+        let all: Vec<(Edge, [u32; 4])> = bent.par_iter().map(|fold| (edge(fold), numbers(fold))).collect();
+        let (list, edges) = all.into_iter().filter(|(edge, _)| is_known(edge)).unzip();
+        Box::new(Folds { sides: of_list(list), edges })
+    });
+    Edges { sides, beyond, folds, ..of_list(list) }
 }
 
 /// Does each part of a closed surface have its outside on the outside: is its volume, as its triangles are wound, above 0?

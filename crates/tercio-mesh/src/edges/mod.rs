@@ -10,6 +10,8 @@ mod polygons;
 mod silhouettes;
 mod sources;
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 pub use silhouettes::Viewer;
@@ -71,47 +73,141 @@ pub struct EdgeCorners {
     pub kind: EdgeKind,
 }
 
-/// The edges of polygons of several triangles that are no sides of a triangle, but begin at its corners: where they are in its
-/// plane. Numbers of corners and sides are those of the [canonical](Mesh::canonical) triangles.
-///
-/// Each is a number for an end of a side that is no edge: with p the corner opposite to the side, q the next one and r the one after
-/// that, the first of two numbers a and b means the line from r on which a times the barycentric coordinate of p is minus
-/// that of q, and the second one the line from q on which b times that of p is minus that of r. The triangles between the side and
-/// the edge are turned about their common sides into the plane for that. 0 means that there is none beside the sides of the
-/// triangle.
+/// The edges of polygons of several triangles that are no sides of a triangle, but begin at its corners, beyond a side of it that is no edge.
+/// Numbers of corners and sides are those of the [canonical](Mesh::canonical) triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Beyond {
     /// All polygons are triangles.
     #[default]
     Nothing,
-    /// No polygon has more than four corners: the numbers of the only side of each triangle that is no edge. The point
-    /// (a q - p + b r) / (a + b - 1) is the fourth corner.
-    Quadrilaterals(Vec<[f32; 2]>),
-    /// For each triangle the numbers of its sides, each opposite to the corner of that number.
+    /// No polygon has more than four corners: the fourth corners of halves.
+    Quadrilaterals(FourthCorners),
+    /// All polygons are flat, without reflex angles: for each triangle the numbers of its sides, each opposite to the corner of that
+    /// number. There is a number for each end of the side: with p the corner opposite to the side, q the next one and r the one after
+    /// that, the first of two numbers a and b means the line from r on which a times the barycentric coordinate of p is minus
+    /// that of q, and the second one the line from q on which b times that of p is minus that of r. The triangles between the side and
+    /// the edge are turned about their common sides into the plane for that. 0 means that there is none beside the sides of the
+    /// triangle.
     Polygons(Vec<[[f32; 2]; 3]>),
+    /// Polygons of any form: where the edges end.
+    Ends(FarEnds),
 }
 
 impl Beyond {
     /// The largest number: its line is that of the side, up to a millionth of the height of the triangle. Larger ones could overflow.
     pub const MOST: f64 = 1e6;
 
-    /// All numbers, triangle by triangle.
+    /// All numbers of flat polygons, triangle by triangle.
     pub fn numbers(&self) -> &[f32] {
         match self {
-            Self::Nothing => &[],
-            Self::Quadrilaterals(all) => all.as_flattened(),
+            Self::Nothing | Self::Quadrilaterals(_) | Self::Ends(_) => &[],
             Self::Polygons(all) => all.as_flattened().as_flattened(),
         }
     }
 
-    /// For how many triangles there are numbers; `None` if there are none for any.
+    /// For how many triangles there are edges; `None` if there are none for any.
     pub fn triangles(&self) -> Option<usize> {
         match self {
             Self::Nothing => None,
-            Self::Quadrilaterals(all) => Some(all.len()),
+            Self::Quadrilaterals(corners) => Some(corners.vertices.len()),
             Self::Polygons(all) => Some(all.len()),
+            Self::Ends(ends) => Some(ends.first.len() - 1),
         }
     }
+}
+
+/// The corners of quadrilaterals that are not in a triangle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FourthCorners {
+    /// For each triangle the vertex, or [`Edge::NONE`].
+    vertices: Vec<u32>,
+    positions: Arc<Vec<[f32; 3]>>,
+}
+
+impl FourthCorners {
+    /// For each triangle the number of a position, or [`Edge::NONE`].
+    pub fn new(vertices: Vec<u32>, positions: Arc<Vec<[f32; 3]>>) -> Self {
+        Self { vertices, positions }
+    }
+
+    /// The fourth corner of the quadrilateral of which a triangle is a half, in the space of the mesh's positions: two edges from there end
+    /// at the ends of its only side that is no edge.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    #[inline]
+    pub fn of(&self, triangle: usize) -> Option<[f32; 3]> {
+        self.positions.get(self.vertices[triangle] as usize).copied()
+    }
+}
+
+/// The other ends of edges that begin at corners of triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FarEnds {
+    /// For each triangle the place of its first edge, and after that how many edges there are.
+    first: Vec<u32>,
+    /// For each edge the side of the triangle that it is beyond, twice, plus [`FarEnd::end`].
+    sides: Vec<u8>,
+    /// For each edge the vertex at its other end.
+    ends: Vec<u32>,
+    positions: Arc<Vec<[f32; 3]>>,
+}
+
+/// An edge that begins at a corner of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FarEnd {
+    /// The side beyond which it is, opposite to the corner of this number.
+    pub side: u8,
+    /// At which end of the side the edge begins: corner `side` + 1 + `end`, modulo 3.
+    pub end: u8,
+    /// The other end of the edge, in the space of the mesh's positions.
+    pub position: [f32; 3],
+}
+
+impl FarEnds {
+    /// The most edges of a triangle.
+    pub const MOST: usize = 6;
+
+    /// For each triangle its edges: [`FarEnd::side`], [`FarEnd::end`], and the number of the position of the other end.
+    ///
+    /// # Panics
+    /// If a triangle has too many edges, or a number is too large.
+    pub fn new(triangles: &[Vec<(u8, u8, u32)>], positions: Arc<Vec<[f32; 3]>>) -> Self {
+        let (mut first, mut sides, mut ends) = (vec![0], Vec::new(), Vec::new());
+        for edges in triangles {
+            assert!(edges.len() <= Self::MOST, "more than {} edges", Self::MOST);
+            for &(side, end, vertex) in edges {
+                assert!(side < 3 && end < 2 && (vertex as usize) < positions.len(), "no such edge");
+                sides.push(2 * side + end);
+                ends.push(vertex);
+            }
+            first.push(ends.len() as u32);
+        }
+        Self { first, sides, ends, positions }
+    }
+
+    /// The edges of a triangle, at most [`FarEnds::MOST`].
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    #[inline]
+    pub fn of(&self, triangle: usize) -> impl Iterator<Item = FarEnd> {
+        let all = self.first[triangle] as usize..self.first[triangle + 1] as usize;
+        self.sides[all.clone()].iter().zip(&self.ends[all]).map(|(code, &end)| FarEnd {
+            side: code >> 1,
+            end: code & 1,
+            position: self.positions[end as usize],
+        })
+    }
+}
+
+/// Where polygons are bent.
+#[derive(Clone, Debug)]
+pub struct Folds {
+    /// The sides of triangles at which they are, which are no edges, as edges.
+    pub sides: Edges,
+    /// For each of these the edges that begin at its ends and are of its polygon: their numbers in the list of edges, or [`Edge::NONE`].
+    pub edges: Vec<[u32; 4]>,
 }
 
 /// Edges with vertices of their own.
@@ -122,15 +218,16 @@ pub struct Edges {
     /// log2 of the length of a unit of the positions.
     pub exponent: i32,
     /// Positions of the vertices that edges use.
-    pub positions: Vec<[f32; 3]>,
+    pub positions: Arc<Vec<[f32; 3]>>,
     /// The edges, in the order of their first triangles. To be changed, if at all, before the first [`Edges::silhouettes`].
     pub list: Vec<Edge>,
     /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
     /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
     pub sides: Vec<u8>,
-    /// If all edges are selected, where those of a polygon are, seen from each of its triangles; `None` if a polygon is bent by more than a
-    /// degree, or has a reflex angle.
-    pub beyond: Option<Beyond>,
+    /// If all edges are selected, where those of a polygon are, seen from each of its triangles.
+    pub beyond: Beyond,
+    /// If polygons are bent by more than a degree, where.
+    pub folds: Option<Box<Folds>>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
@@ -160,9 +257,9 @@ impl Edges {
     pub fn needed_bytes(mesh: &ClusteredMesh) -> u64 {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
-        // of a closed mesh three for two triangles, of a soup three a triangle; sides, their twins, and what is beyond them.
-        // Cones take less than what is gone then.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1 + 24 + 24)
+        // of a closed mesh three for two triangles, of a soup three a triangle; sides, their twins, what is beyond them, and
+        // folds. Cones take less than what is gone then.
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1 + 24 + 24 + 64)
     }
 
     /// Position of a vertex in object space.

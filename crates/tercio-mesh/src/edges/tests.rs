@@ -132,31 +132,35 @@ fn the_fourth_corner_of_each_half_is_where_the_other_half_has_it() {
         let edges = Edges::of_mesh(&mesh, Selection::All);
         let clustered = partition(mesh.clone(), &PartitionOptions::default());
         assert_eq!(Edges::of_clusters(&clustered, Selection::All).beyond, edges.beyond);
-        let Some(Beyond::Quadrilaterals(places)) = edges.beyond else { panic!("a quadrilateral") };
-        for (t, other) in [(0, 3), (1, 1)] {
-            let corners = Mesh::canonical(mesh.triangles[t]);
-            let apex = (0..3).find(|k| edges.sides[t] >> k & 1 == 0).expect("a diagonal");
-            let at = |k: usize| DVec3::from(mesh.positions[corners[(apex + k) % 3] as usize].map(f64::from));
-            let [a, b] = places[t].map(f64::from);
-            let found = (a * at(1) - at(0) + b * at(2)) / (a + b - 1.0);
-            let expected = DVec3::from(mesh.positions[other].map(f64::from));
-            assert!(found.distance(expected) < 1e-5, "{turned} {t}: {found}, expected {expected}");
-        }
+        let Beyond::Quadrilaterals(fourth) = edges.beyond else { panic!("a quadrilateral") };
+        assert_eq!([0, 1].map(|t| fourth.of(t)), [3, 1].map(|v| Some(mesh.positions[v])), "{turned}");
+        assert!(edges.folds.is_none());
     }
     let of_cube = |selection| Edges::of_mesh(&cube(), selection).beyond;
-    assert_eq!(of_cube(Selection::All), Some(Beyond::Quadrilaterals(vec![[1.0; 2]; 12])));
-    assert_eq!(of_cube(Selection::Feature(0.5)), Some(Beyond::Nothing));
+    let Beyond::Quadrilaterals(fourth) = of_cube(Selection::All) else { panic!("quadrilaterals") };
+    assert!((0..12).all(|t| fourth.of(t).is_some()));
+    assert_eq!(of_cube(Selection::Feature(0.5)), Beyond::Nothing);
     // Bent at the diagonal.
-    let bent = |degrees: f64| {
+    for degrees in [0.5f64, 2.0, 45.0, 91.0, 179.0] {
         let (y, z) = degrees.to_radians().sin_cos();
         let raised = [1.0, z as f32, y as f32];
         let mesh = quads(&[[[0.0; 3], [1.0, -1.0, 0.0], [2.0, 0.0, 0.0], raised]]);
-        Edges::of_mesh(&mesh, Selection::All).beyond
-    };
-    let places = bent(0.5).expect("a flat quadrilateral");
-    assert!(places.numbers().iter().all(|c| (c - 1.0).abs() < 1e-6), "{places:?}");
-    for degrees in [2.0, 45.0, 91.0, 179.0] {
-        assert_eq!(bent(degrees), None, "{degrees}");
+        let edges = Edges::of_mesh(&mesh, Selection::All);
+        let Beyond::Quadrilaterals(fourth) = &edges.beyond else { panic!("a quadrilateral") };
+        assert_eq!([0, 1].map(|t| fourth.of(t)), [3, 1].map(|v| Some(mesh.positions[v])), "{degrees}");
+        let Some(folds) = edges.folds else {
+            assert!(degrees < 1.0);
+            continue;
+        };
+        let [fold] = &folds.sides.list[..] else { panic!("one fold") };
+        let at = |v: u32| folds.sides.positions[v as usize];
+        let (mut ends, mut apexes) = (fold.ends.map(at), fold.apexes.map(at));
+        ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        apexes.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        assert_eq!((ends, apexes), ([[0.0; 3], [2.0, 0.0, 0.0]], [[1.0, -1.0, 0.0], raised]));
+        let mut around = folds.edges[0];
+        around.sort_unstable();
+        assert_eq!(around, [0, 1, 2, 3]);
     }
 }
 
@@ -186,7 +190,7 @@ fn places_are_on_the_edges_of_the_polygon() {
         let edges = Edges::of_mesh(&mesh, Selection::All);
         let clustered = partition(mesh.clone(), &PartitionOptions { max_triangles: 2, ..Default::default() });
         assert_eq!(Edges::of_clusters(&clustered, Selection::All).beyond, edges.beyond);
-        let Some(Beyond::Polygons(places)) = &edges.beyond else { panic!("a polygon") };
+        let Beyond::Polygons(places) = &edges.beyond else { panic!("a polygon") };
         let mut count = 0;
         for (t, &triangle) in mesh.triangles.iter().enumerate() {
             let c = Mesh::canonical(triangle).map(|v| v as usize);
@@ -222,14 +226,53 @@ fn places_are_on_the_edges_of_the_polygon() {
     }
 }
 
+/// Of polygons that are bent, and of flat ones with a reflex angle, the far ends of edges are the next corners.
+#[test]
+fn far_ends_are_the_next_corners_of_the_polygon() {
+    let convex = [[0.0, 0.0], [3.0, -1.0], [5.0, 1.0], [5.5, 4.0], [3.0, 6.0], [-0.5, 4.5], [-1.0, 2.0]];
+    let bent = convex.map(|[x, y]: [f32; 2]| [x, y, 0.1 * (x * x - y * x)]).to_vec();
+    let reflex = vec![[0.0; 3], [6.0, 0.0, 0.0], [6.0, 4.0, 0.0], [3.0, 2.5, 0.0], [0.0, 4.0, 0.0]];
+    // From the corner with the reflex angle, all triangles run the same way.
+    let star = vec![[3.0, 2.5, 0.0], [0.0, 4.0, 0.0], [0.0; 3], [6.0, 0.0, 0.0], [6.0, 4.0, 0.0]];
+    for (corners, is_fan, is_bent) in
+        [(bent.clone(), true, true), (bent, false, true), (reflex, true, false), (star, true, false)]
+    {
+        let n = corners.len();
+        let mesh = polygon(&corners, is_fan);
+        let edges = Edges::of_mesh(&mesh, Selection::All);
+        let clustered = partition(mesh.clone(), &PartitionOptions { max_triangles: 2, ..Default::default() });
+        let of_clusters = Edges::of_clusters(&clustered, Selection::All);
+        let [Beyond::Ends(ends), Beyond::Ends(same)] = [&edges.beyond, &of_clusters.beyond] else {
+            panic!("any polygon")
+        };
+        assert_eq!(edges.folds.is_some(), is_bent);
+        let mut count = 0;
+        for (t, &triangle) in mesh.triangles.iter().enumerate() {
+            assert!(ends.of(t).eq(same.of(t)));
+            let c = Mesh::canonical(triangle).map(|v| v as usize);
+            for k in 0..3 {
+                let far: Vec<_> = ends.of(t).filter(|far| usize::from(far.side) == k).collect();
+                if edges.sides[t] >> k & 1 == 1 {
+                    assert!(far.is_empty(), "a side that is an edge");
+                    continue;
+                }
+                let [p, q, r] = [0, 1, 2].map(|i| c[(k + i) % 3]);
+                // On the way round the polygon from q to r that does not pass p.
+                let is_forwards = (1..n).map(|i| (q + i) % n).take_while(|v| *v != r).all(|v| v != p);
+                let next = |v: usize, forwards: bool| corners[(v + if forwards { 1 } else { n - 1 }) % n];
+                let expected = [next(q, is_forwards), next(r, !is_forwards)];
+                assert_eq!(far.iter().map(|far| far.end).collect::<Vec<_>>(), [0, 1]);
+                assert_eq!([far[0].position, far[1].position], expected, "{t} {k}");
+                count += 2;
+            }
+        }
+        assert_eq!(count, 4 * (n - 3), "two at each side of a diagonal");
+    }
+}
+
 #[test]
 fn only_polygons_have_edges_beyond_sides() {
-    let beyond = |mesh: &Mesh| Edges::of_mesh(mesh, Selection::All).beyond.expect("flat polygons");
-    // With a reflex angle: of a quadrilateral, and of a pentagon.
-    let dart = quads(&[[[0.0, 0.2, 0.0], [2.0, -1.0, 0.0], [0.0, 3.0, 0.0], [-2.0, -1.0, 0.0]]]);
-    assert_eq!(Edges::of_mesh(&dart, Selection::All).beyond, None);
-    let reflex = [[0.0; 3], [6.0, 0.0, 0.0], [6.0, 4.0, 0.0], [3.0, 2.5, 0.0], [0.0, 4.0, 0.0]];
-    assert_eq!(Edges::of_mesh(&polygon(&reflex, true), Selection::All).beyond, None);
+    let beyond = |mesh: &Mesh| Edges::of_mesh(mesh, Selection::All).beyond;
     // A corner in the middle of a side: lines are those of the sides.
     let hanging =
         |y: f32| polygon(&[[0.0; 3], [1.0, y, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0]], true);
@@ -250,7 +293,7 @@ fn only_polygons_have_edges_beyond_sides() {
     let mut pentagon = polygon(&corners, true);
     pentagon.face_of_triangle = Some(vec![0, 0, 1]);
     let Beyond::Quadrilaterals(mixed) = beyond(&pentagon) else { panic!("at most four corners") };
-    assert!(mixed[..2].iter().all(|f| *f != [0.0; 2]) && mixed[2] == [0.0; 2], "{mixed:?}");
+    assert_eq!([0, 1, 2].map(|t| mixed.of(t).is_some()), [true, true, false]);
     // Triangles that run against each other, and a corner in the middle of a polygon.
     let mut turned = polygon(&corners, true);
     let straight = beyond(&turned);

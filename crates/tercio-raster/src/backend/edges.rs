@@ -17,8 +17,8 @@
 //! corners again and keep colours of samples apart, all of which is known here.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
-use tercio_mesh::edges::Beyond;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use tercio_mesh::edges::{Beyond, FarEnds};
 use tercio_scene::SurfaceEdges;
 
 use super::corners::{Corners, Fragments};
@@ -26,6 +26,7 @@ use super::interpolate::Interpolation;
 use super::light::Vec3x16;
 use super::shade::displayable;
 use crate::context::FrameContext;
+use crate::projection::project;
 use crate::simd::{LANES, each3, splat, splat_i};
 use crate::surface_edges::{Footprint, PIXELS, apex_of};
 use crate::view::ObjectView;
@@ -38,7 +39,7 @@ pub fn over<S: Simd>(
     context: &FrameContext,
     instance: usize,
     fragments: &Fragments,
-    sample: [i32x16<S>; 2],
+    (sample, from_middle): ([i32x16<S>; 2], [i32; 2]),
     at: &Interpolation<S>,
     corners: &Corners<S>,
     light: Vec3x16<S>,
@@ -46,7 +47,70 @@ pub fn over<S: Simd>(
     let slopes = at.slopes(simd, &context.objects[instance], sample, corners);
     // Copies, so that the others of the corners, of which no address is taken, stay in registers.
     let (area, numbers, depths) = (at.area, corners.numbers, (corners.d, corners.beyond));
-    blend(simd, context, instance, &fragments.from_middle, &area, &slopes, &numbers, &depths, &light)
+    let edges = context.scene.instances[instance].edges.as_deref();
+    let has_ends =
+        edges.is_some_and(|edges| matches!(edges.beyond, Beyond::Quadrilaterals(_) | Beyond::Ends(_)));
+    let screen = has_ends.then(
+        #[inline(always)]
+        || OnScreen { sample, x: corners.x, y: corners.y, from_middle },
+    );
+    let all = (&area, &slopes, screen.as_ref());
+    blend(simd, context, instance, &fragments.from_middle, all, &numbers, &depths, &light)
+}
+
+/// Points and the corners of their triangles on the screen, in the coordinate system of the corners.
+struct OnScreen<S: Simd> {
+    sample: [i32x16<S>; 2],
+    x: [i32x16<S>; 3],
+    y: [i32x16<S>; 3],
+    /// The offset from these coordinates to coordinates relative to the middle of the picture.
+    from_middle: [i32; 2],
+}
+
+impl<S: Simd> OnScreen<S> {
+    /// Projects points of 16 triangles, of which those with a bit in `beyond` have a corner outside of the guard band.
+    #[inline(always)]
+    fn project(&self, simd: S, object: &ObjectView, positions: Vec3x16<S>, beyond: u32) -> Far<S> {
+        let projected = project(simd, object, positions);
+        let [x, y] = [0, 1].map(
+            #[inline(always)]
+            |k| object.offset[k] + self.from_middle[k],
+        );
+        let are_inside = mask32x16::from_bitmask(simd, u64::from(!beyond));
+        Far { x: projected.x - x, y: projected.y - y, inside: projected.inside & are_inside }
+    }
+}
+
+/// The far ends of lines, in the coordinate system of the corners.
+struct Far<S: Simd> {
+    x: i32x16<S>,
+    y: i32x16<S>,
+    /// They and the corners of their triangles are valid.
+    inside: mask32x16<S>,
+}
+
+impl<S: Simd> Far<S> {
+    /// Lanes in which they are on the other side of the side of a triangle with these slopes that begins or ends there.
+    #[inline(always)]
+    fn is_beyond(
+        &self,
+        [x, y]: [i32x16<S>; 2],
+        [right, down]: [f32x16<S>; 2],
+        whole: f32x16<S>,
+    ) -> mask32x16<S> {
+        let (x, y): (f32x16<S>, f32x16<S>) = ((self.x - x).to_float(), (self.y - y).to_float());
+        ((right * x + down * y) * whole).simd_lt(splat(whole.simd, 0.0))
+    }
+
+    /// The edge function of the line from somewhere at the points, with its slopes, and the points that are not behind its beginning:
+    /// those are as near to the sides of the triangle there.
+    #[inline(always)]
+    fn line(&self, [x, y]: [i32x16<S>; 2], sample: [i32x16<S>; 2]) -> (Vec3x16<S>, mask32x16<S>) {
+        let (of_x, of_y): (f32x16<S>, f32x16<S>) = ((sample[0] - x).to_float(), (sample[1] - y).to_float());
+        let (x, y): (f32x16<S>, f32x16<S>) = ((self.x - x).to_float(), (self.y - y).to_float());
+        let is_before = (of_x * x + of_y * y).simd_ge(splat(x.simd, 0.0));
+        ([of_x * y - of_y * x, y, -x], is_before)
+    }
 }
 
 /// Not inlined, so that it is compiled only once per SIMD level, and kernels of pictures without edges stay small.
@@ -57,8 +121,7 @@ fn blend<S: Simd>(
     context: &FrameContext,
     instance: usize,
     from_middle: &[[i32; LANES]; 2],
-    area: &[f32x16<S>; 3],
-    slopes: &[Vec3x16<S>; 2],
+    (area, slopes, screen): (&Vec3x16<S>, &[Vec3x16<S>; 2], Option<&OnScreen<S>>),
     numbers: &[u32; LANES],
     depths: &([f32x16<S>; 3], u32),
     light: &Vec3x16<S>,
@@ -82,27 +145,52 @@ fn blend<S: Simd>(
                 nearest.add([area[k], slopes[0][k], slopes[1][k]], [x, y], is_side);
             }
             let functions = [area, &slopes[0], &slopes[1]];
+            let object = &context.objects[instance];
+            let whole = (area[0] + area[1]) + area[2];
             match &edges.beyond {
                 Beyond::Nothing => {}
-                Beyond::Quadrilaterals(all) => {
-                    let (mut places, mut apexes) = ([[0.0; LANES]; 2], [0; LANES]);
+                Beyond::Quadrilaterals(fourth) => {
+                    let Some(screen) = screen else { return *light };
+                    let (mut positions, mut places) = ([[0.0; LANES]; 3], [-1; LANES]);
                     for lane in 0..LANES {
-                        let [first, second] = all[numbers[lane] as usize];
-                        (places[0][lane], places[1][lane]) = (first, second);
-                        apexes[lane] = apex_of(bits[lane] as u8) as i32;
+                        if let Some(position) = fourth.of(numbers[lane] as usize) {
+                            (0..3).for_each(|k| positions[k][lane] = position[k]);
+                            places[lane] = apex_of(bits[lane] as u8) as i32;
+                        }
                     }
-                    let apexes = i32x16::load_array_ref(simd, &apexes);
-                    let is_apex = each3!(K => apexes.simd_eq(splat_i(simd, K as i32)));
-                    let scale = scales(simd, &context.objects[instance], depths);
-                    for (n, place) in places.iter().enumerate() {
-                        let place = f32x16::load_array_ref(simd, place);
-                        let (by_apex, by_beside) =
-                            (place * after(&is_apex, &scale, 0), after(&is_apex, &scale, 1 + n));
-                        let line = each3!(K => {
-                            after(&is_apex, functions[K], 0) * by_apex
-                                + after(&is_apex, functions[K], 1 + n) * by_beside
-                        });
-                        nearest.add(line, [x, y], place.simd_gt(zero));
+                    let positions = each3!(K => f32x16::load_array_ref(simd, &positions[K]));
+                    let side = i32x16::load_array_ref(simd, &places);
+                    let is_side = each3!(K => side.simd_eq(splat_i(simd, K as i32)));
+                    let far = screen.project(simd, object, positions, depths.1);
+                    let [x_first, y_first] =
+                        [after_i(&is_side, &screen.x, 1), after_i(&is_side, &screen.y, 1)];
+                    let [x_second, y_second] =
+                        [after_i(&is_side, &screen.x, 2), after_i(&is_side, &screen.y, 2)];
+                    let slope = [after(&is_side, &slopes[0], 0), after(&is_side, &slopes[1], 0)];
+                    let is_there = far.inside & side.simd_ge(splat_i(simd, 0));
+                    let is_beyond = is_there & far.is_beyond([x_first, y_first], slope, whole);
+                    let (line, is_before) = far.line([x_first, y_first], screen.sample);
+                    nearest.add(line, [x, y], is_beyond & is_before);
+                    let (line, is_before) = far.line([x_second, y_second], screen.sample);
+                    nearest.add(line, [x, y], is_beyond & is_before);
+                }
+                Beyond::Ends(ends) => {
+                    let Some(screen) = screen else { return *light };
+                    let ends = Ends::fetch(simd, ends, numbers);
+                    for (places, position) in ends.places.iter().zip(&ends.positions).take(ends.count) {
+                        let place = i32x16::load_array_ref(simd, places);
+                        let is_side = each3!(K => (place >> 1).simd_eq(splat_i(simd, K as i32)));
+                        let is_second = (place & 1).simd_eq(splat_i(simd, 1));
+                        let far = screen.project(simd, object, *position, depths.1);
+                        let from_x = is_second
+                            .select(after_i(&is_side, &screen.x, 2), after_i(&is_side, &screen.x, 1));
+                        let from_y = is_second
+                            .select(after_i(&is_side, &screen.y, 2), after_i(&is_side, &screen.y, 1));
+                        let slope = [after(&is_side, &slopes[0], 0), after(&is_side, &slopes[1], 0)];
+                        let is_there = far.inside & place.simd_ge(splat_i(simd, 0));
+                        let is_beyond = is_there & far.is_beyond([from_x, from_y], slope, whole);
+                        let (line, is_before) = far.line([from_x, from_y], screen.sample);
+                        nearest.add(line, [x, y], is_beyond & is_before);
                     }
                 }
                 Beyond::Polygons(all) => {
@@ -113,7 +201,7 @@ fn blend<S: Simd>(
                             (0..2).for_each(|n| places[k][n][lane] = of_lane[k][n]);
                         }
                     }
-                    let scale = scales(simd, &context.objects[instance], depths);
+                    let scale = scales(simd, object, depths);
                     for k in 0..3 {
                         for n in 0..2 {
                             let place = f32x16::load_array_ref(simd, &places[k][n]);
@@ -140,6 +228,40 @@ fn blend<S: Simd>(
             each3!(C => shown[C] + (splat(simd, edges.color[C]) - shown[C]) * cover)
         },
     )
+}
+
+/// The other ends of the edges that begin at corners of 16 triangles.
+struct Ends<S: Simd> {
+    /// The most that one of the triangles has.
+    count: usize,
+    positions: [Vec3x16<S>; FarEnds::MOST],
+    /// Where they begin: twice the number of a side, plus its end; -1 in lanes without so many.
+    places: [[i32; LANES]; FarEnds::MOST],
+}
+
+impl<S: Simd> Ends<S> {
+    /// Those of the triangles with these numbers in the mesh.
+    #[inline(always)]
+    fn fetch(simd: S, ends: &FarEnds, numbers: &[u32; LANES]) -> Self {
+        let positions = [[splat(simd, 0.0); 3]; FarEnds::MOST];
+        let mut all = Self { count: 0, positions, places: [[-1; LANES]; FarEnds::MOST] };
+        let mut left = 0xffff_u32;
+        while left != 0 {
+            // Neighbouring points usually are of the same triangle.
+            let number = numbers[left.trailing_zeros() as usize % LANES];
+            let same = u32x16::load_array_ref(simd, numbers).simd_eq(u32x16::splat(simd, number));
+            left &= !(same.to_bitmask() as u32);
+            for (n, end) in ends.of(number as usize).take(FarEnds::MOST).enumerate() {
+                all.count = all.count.max(n + 1);
+                let place = splat_i(simd, i32::from(2 * end.side + end.end));
+                same.select(place, i32x16::load_array_ref(simd, &all.places[n]))
+                    .store_slice(&mut all.places[n]);
+                all.positions[n] =
+                    each3!(K => same.select(splat(simd, end.position[K]), all.positions[n][K]));
+            }
+        }
+        all
+    }
 }
 
 /// The line that is nearest to 16 points: its distance in sub-pixels, and how far the point is from the middle of the pixel across
@@ -176,6 +298,13 @@ fn scales<S: Simd>(simd: S, object: &ObjectView, (d, beyond): &([f32x16<S>; 3], 
 /// Of the values at corners, those of the corner that comes so many places after the apex.
 #[inline(always)]
 fn after<S: Simd>(is_apex: &[mask32x16<S>; 3], v: &Vec3x16<S>, places: usize) -> f32x16<S> {
+    let beyond_first = is_apex[1].select(v[(1 + places) % 3], v[(2 + places) % 3]);
+    is_apex[0].select(v[places % 3], beyond_first)
+}
+
+/// [`after`], of coordinates.
+#[inline(always)]
+fn after_i<S: Simd>(is_apex: &[mask32x16<S>; 3], v: &[i32x16<S>; 3], places: usize) -> i32x16<S> {
     let beyond_first = is_apex[1].select(v[(1 + places) % 3], v[(2 + places) % 3]);
     is_apex[0].select(v[places % 3], beyond_first)
 }

@@ -102,7 +102,17 @@ pub fn shade(
 
     let with_edges = |light: Vec3| match &instance.edges {
         Some(lines) => {
-            edges::over(lines, triangle, (area, slopes[0], slopes[1]), scale, settings, sample, light)
+            let corners = (object, p.map(|p| object.project(p)));
+            edges::over(
+                lines,
+                triangle,
+                corners,
+                (area, slopes[0], slopes[1]),
+                scale,
+                settings,
+                sample,
+                light,
+            )
         }
         None => light,
     };

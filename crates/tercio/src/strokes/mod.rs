@@ -33,7 +33,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use tercio_mesh::cluster::ClusterView;
-use tercio_mesh::edges::{Edges, Viewer};
+use tercio_mesh::edges::{Edge, Edges, Viewer};
 use tercio_mesh::loops::prelude::*;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{AttributeDomain, FileMaterial};
@@ -165,25 +165,52 @@ pub fn edges(
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
     let list: Vec<u32> = match part {
         EdgePart::All => (0..edges.list.len() as u32).collect(),
-        EdgePart::BesideSurface if is_in_front(eye, edges, world_from_object) => {
-            edges.outlines(viewer(eye, edges, world_from_object))
-        }
-        EdgePart::Silhouette | EdgePart::BesideSurface => {
-            edges.silhouettes(viewer(eye, edges, world_from_object))
-        }
+        EdgePart::Silhouette => edges.silhouettes(viewer(eye, edges, world_from_object)),
+        EdgePart::BesideSurface => outlines(eye, edges, world_from_object),
     };
-    sheet::draw_together(eye, &colored(plain(), data), &list, |sheet, numbers| {
-        edges.for_each_corners(numbers, |number, corners| {
-            let ends = corners.ends.map(at);
-            let mut apexes = corners.apexes.map(|apex| apex.map(at));
-            if mirrored && apexes[1].is_some() {
-                apexes.swap(0, 1);
-            }
-            let line = Line { ends, apexes, hides_back, part };
-            sheet.begin();
-            line::draw(sheet, &line, pen, edge_inks(number, pen, data));
-        });
-    })
+    let (mut list, whole) = (list, around_folds(eye, (edges, world_from_object), part));
+    list.retain(|number| whole.binary_search(number).is_err());
+    let look = colored(plain(), data);
+    let of_part = |list: &[u32], part: EdgePart| {
+        sheet::draw_together(eye, &look, list, |sheet, numbers| {
+            edges.for_each_corners(numbers, |number, corners| {
+                let ends = corners.ends.map(at);
+                let mut apexes = corners.apexes.map(|apex| apex.map(at));
+                if mirrored && apexes[1].is_some() {
+                    apexes.swap(0, 1);
+                }
+                let line = Line { ends, apexes, hides_back, part };
+                sheet.begin();
+                line::draw(sheet, &line, pen, edge_inks(number, pen, data));
+            });
+        })
+    };
+    let mut drawn = of_part(&list, part);
+    drawn.extend(of_part(&whole, EdgePart::All));
+    drawn
+}
+
+/// The numbers of the edges that may be on an outline of the surface, in order.
+fn outlines(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> Vec<u32> {
+    let viewer = viewer(eye, edges, world_from_object);
+    match is_in_front(eye, edges, world_from_object) {
+        true => edges.outlines(viewer),
+        false => edges.silhouettes(viewer),
+    }
+}
+
+/// The numbers of the edges, in order, whose lines may reach over an outline that is no edge but the fold of a bent polygon: half of such a
+/// line is on no triangle.
+fn around_folds(eye: &Eye, (edges, world_from_object): (&Edges, &DAffine3), part: EdgePart) -> Vec<u32> {
+    let Some(folds) = edges.folds.as_deref().filter(|_| part == EdgePart::BesideSurface) else {
+        return Vec::new();
+    };
+    let of_fold = |fold: u32| folds.edges[fold as usize].into_iter().filter(|&edge| edge != Edge::NONE);
+    let mut list: Vec<u32> =
+        outlines(eye, &folds.sides, world_from_object).into_iter().flat_map(of_fold).collect();
+    list.sort_unstable();
+    list.dedup();
+    list
 }
 
 /// The colours of an edge's ends.

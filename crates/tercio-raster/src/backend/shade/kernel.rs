@@ -129,7 +129,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         let (lit, alpha) = material::shade(simd, context, instance, &pixels);
         let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
         let lit = match features.edges() {
-            true => edges::over(simd, context, instance, fragments, sample, &at, corners, lit),
+            true => edges::over(simd, context, instance, fragments, (sample, from_middle), &at, corners, lit),
             false => lit,
         };
         target.write(simd, context, features, fragments, lit, alpha, normal);
@@ -194,7 +194,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
     };
     let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
     let lit = match features.edges() {
-        true => edges::over(simd, context, instance, fragments, sample, &at, corners, lit),
+        true => edges::over(simd, context, instance, fragments, (sample, from_middle), &at, corners, lit),
         false => lit,
     };
     target.write(simd, context, features, fragments, lit, alpha, normal);
