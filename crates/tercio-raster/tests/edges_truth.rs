@@ -290,20 +290,24 @@ fn check_polygons(mesh: Mesh, polygons: &[Vec<DVec3>], least_compared: usize) {
                 if !(1..corners.len()).all(|k| turn(k) * turn(0) > 0.0) {
                     continue;
                 }
+                // A line that begins at no corner of a triangle is not drawn there, and one that begins at a corner goes on beyond its
+                // other end: only narrow triangles of bent polygons are so near to one.
+                let is_known = |k: usize| {
+                    let corner = &polygons[hit.triangle][k % corners.len()];
+                    is_flat || model.corners[hit.triangle].contains(corner)
+                };
                 let from_side = |k: usize| {
                     let (a, b) = side(k);
-                    let along = ((middle - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+                    let [least, most] = match [is_known(k), is_known(k + 1)] {
+                        [true, true] => [0.0, 1.0],
+                        [true, false] => [0.0, f64::INFINITY],
+                        [false, true] => [f64::NEG_INFINITY, 1.0],
+                        [false, false] => return f64::INFINITY,
+                    };
+                    let along = ((middle - a).dot(b - a) / a.distance_squared(b)).clamp(least, most);
                     middle.distance(a.lerp(b, along))
                 };
-                // A line that begins at no corner of a triangle is not drawn there; only narrow ones of bent polygons are so near to one.
-                let of_triangle = &model.corners[hit.triangle];
-                let begins_there = |k: usize| {
-                    [k, k + 1]
-                        .iter()
-                        .any(|&k| of_triangle.contains(&polygons[hit.triangle][k % corners.len()]))
-                };
-                let sides = (0..corners.len()).filter(|&k| is_flat || begins_there(k));
-                let distance = sides.map(from_side).fold(f64::INFINITY, f64::min);
+                let distance = (0..corners.len()).map(from_side).fold(f64::INFINITY, f64::min);
                 if distance < 0.02 {
                     continue;
                 }
