@@ -100,7 +100,7 @@ pub struct StrokeArgs {
     #[arg(long, alias = "style", value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
-    /// Several with commas: --edges=feature,silhouette. All edges of flat polygons, at most 4 pixels wide, are shaded with a
+    /// Several with commas: --edges=feature,silhouette. All edges, at most 4 pixels wide, are shaded with a
     /// surface that is opaque, which is quick; others are strips in front of it.
     #[arg(long, alias = "show-edges", value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
