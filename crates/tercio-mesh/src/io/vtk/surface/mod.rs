@@ -116,6 +116,15 @@ impl<'a> Extraction<'a> {
         }
     }
 
+    /// The number of faces of a cell that is a volume, known without its nodes.
+    fn face_count(&self, cell: usize) -> Option<usize> {
+        let Cells::Unstructured { types, .. } = &self.data.cells else { return None };
+        match cells::shape(*types.get(cell)?)? {
+            Shape::Volume(volume) if !self.ghosts.are_any() => Some(volume.faces.len()),
+            _ => None,
+        }
+    }
+
     /// Calls `each` with the number of corners and the nodes of every face of a volume.
     fn faces(shape: Shape, nodes: &[u32], mut each: impl FnMut(usize, &[u32])) {
         match shape {
@@ -150,6 +159,13 @@ impl<'a> Extraction<'a> {
                 let (mut buffer, mut nodes) = ([0; 8], 0);
                 let mut number = outer.first(chunk);
                 for cell in cells(chunk) {
+                    // Nearly all volumes are inside.
+                    if let Some(faces) = self.face_count(cell)
+                        && !outer.are_any(number..number + faces)
+                    {
+                        number += faces;
+                        continue;
+                    }
                     let (shape, all) = self.cell(cell, &mut buffer);
                     match shape {
                         _ if self.ghosts.part(cell, all) == Part::Gone => {}
@@ -174,6 +190,12 @@ impl<'a> Extraction<'a> {
                 let mut builder = Builder::new(&self.data.points);
                 let (mut buffer, mut number) = ([0; 8], outer.first(chunk));
                 for cell in cells(chunk) {
+                    if let Some(faces) = self.face_count(cell)
+                        && !outer.are_any(number..number + faces)
+                    {
+                        number += faces;
+                        continue;
+                    }
                     let (shape, nodes) = self.cell(cell, &mut buffer);
                     let part = self.ghosts.part(cell, nodes);
                     if part == Part::Gone {

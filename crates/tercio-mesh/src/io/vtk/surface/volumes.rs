@@ -81,9 +81,13 @@ impl Outer {
         self.bits.get(face / 64).is_some_and(|word| word.load(Relaxed) >> (face % 64) & 1 > 0)
     }
 
-    /// Is one of these faces drawn?
-    pub fn are_any(&self, mut faces: Range<usize>) -> bool {
-        faces.any(|face| self.is(face))
+    /// Is one of these faces drawn? No more than 64 are asked for.
+    pub fn are_any(&self, faces: Range<usize>) -> bool {
+        let word = |at: usize| self.bits.get(at).map_or(0, |word| word.load(Relaxed));
+        let (first, shift) = (faces.start / 64, faces.start % 64);
+        // Two words hold them all.
+        let both = u128::from(word(first)) | u128::from(word(first + 1)) << 64;
+        (both >> shift) & ((1 << faces.len()) - 1) != 0
     }
 
     /// Finds the faces that no other volume has.
@@ -151,6 +155,10 @@ fn volumes(cells: &Extraction, chunk: usize, mut each: impl FnMut(Shape, &[u32])
 }
 
 fn count(cells: &Extraction, chunk: usize) -> u64 {
+    let all = chunk * CHUNK..((chunk + 1) * CHUNK).min(cells.count);
+    if let Some(count) = all.map(|cell| cells.face_count(cell)).sum::<Option<usize>>() {
+        return count as u64;
+    }
     let mut count = 0;
     volumes(cells, chunk, |shape, nodes| match shape {
         Shape::Volume(volume) => count += volume.faces.len() as u64,
