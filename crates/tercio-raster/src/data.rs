@@ -199,12 +199,6 @@ impl DataTable {
 }
 
 impl Mapping {
-    /// Are colours those of interpolated values alone, without categories and lines of equal value?
-    #[inline]
-    pub fn is_smooth(&self) -> bool {
-        self.categories.is_empty() && self.isolines.is_empty()
-    }
-
     /// No mapping.
     fn none() -> Self {
         Self {

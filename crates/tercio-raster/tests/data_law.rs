@@ -109,6 +109,16 @@ fn kinds() -> Vec<(&'static str, SurfaceData)> {
             ),
         ),
         (
+            "few faces",
+            mapped(
+                DataSource::Face,
+                DataColors {
+                    categories: (0..60).step_by(2).map(|v| category(v as f32)).collect(),
+                    ..colors("Set1")
+                },
+            ),
+        ),
+        (
             "opacity",
             mapped(
                 attribute(2),

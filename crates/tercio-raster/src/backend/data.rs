@@ -32,7 +32,7 @@ pub fn colors<S: Simd>(
             let index = if mapping.categories.is_empty() {
                 index(simd, mapping, value, is_number)
             } else {
-                category(simd, mapping, at, corners)
+                category(simd, mapping, &at.weight, &corners.values())
             };
             let [r, g, b, alpha] = entries(simd, mapping, index);
             if mapping.isolines.is_empty() {
@@ -51,10 +51,9 @@ pub fn colors<S: Simd>(
     )
 }
 
-/// [`colors`] of an instance whose [mapping is smooth](Mapping::is_smooth), without their alpha, for values of corners with these
-/// weights.
+/// [`colors`] of an instance without lines of equal value, without their alpha, for values of corners with these weights.
 #[inline(never)]
-pub fn smooth<S: Simd>(
+pub fn without_lines<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
@@ -65,8 +64,14 @@ pub fn smooth<S: Simd>(
         #[inline(always)]
         || {
             let Some(data) = &context.data[instance] else { return [splat(simd, 0.0); 3] };
-            let (value, is_number) = interpolated(simd, weight, values);
-            let [r, g, b, _] = entries(simd, &data.mapping, index(simd, &data.mapping, value, is_number));
+            let mapping = &data.mapping;
+            let index = if mapping.categories.is_empty() {
+                let (value, is_number) = interpolated(simd, weight, values);
+                index(simd, mapping, value, is_number)
+            } else {
+                category(simd, mapping, weight, values)
+            };
+            let [r, g, b, _] = entries(simd, mapping, index);
             [r, g, b]
         },
     )
@@ -168,13 +173,28 @@ fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     )
 }
 
+/// So many categories are compared with values one by one.
+const FEW_CATEGORIES: usize = 32;
+
 /// The entries of categories: those of the corners that are nearest by their weights.
 #[inline(always)]
-fn category<S: Simd>(simd: S, mapping: &Mapping, at: &Interpolation<S>, corners: &Corners<S>) -> i32x16<S> {
-    let ([a, b, c], values) = (at.weight, corners.values());
+fn category<S: Simd>(
+    simd: S,
+    mapping: &Mapping,
+    &[a, b, c]: &Vec3x16<S>,
+    values: &[f32x16<S>; 3],
+) -> i32x16<S> {
     let is_second = b.simd_gt(a);
     let (weight, value) = (is_second.select(b, a), is_second.select(values[1], values[0]));
-    let value = c.simd_gt(weight).select(values[2], value).to_array();
+    let value = c.simd_gt(weight).select(values[2], value);
+    if mapping.categories.len() <= FEW_CATEGORIES {
+        let mut found = splat_i(simd, mapping.special[0]);
+        for (number, &category) in mapping.categories.iter().enumerate() {
+            found = value.simd_eq(splat(simd, category)).select(splat_i(simd, number as i32), found);
+        }
+        return found;
+    }
+    let value = value.to_array();
     let mut found = [mapping.special[0]; LANES];
     for lane in 0..LANES {
         let number = mapping.categories.partition_point(|&category| category < value[lane]);

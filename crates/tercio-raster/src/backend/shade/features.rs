@@ -236,7 +236,7 @@ impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
 /// one kernel serves all.
 #[derive(Clone, Copy, Debug)]
 pub struct Explained {
-    /// Colours of values that are interpolated, without lines of equal value.
+    /// Colours of values that are interpolated, or of categories, without lines of equal value.
     data: bool,
     edges: bool,
 }
@@ -245,9 +245,10 @@ impl Explained {
     /// The features of a look for pixels of an instance, if they are of this kind.
     #[inline(always)]
     pub fn of(look: Look, context: &FrameContext, instance: usize) -> Option<Self> {
-        let is_smooth = || context.data[instance].as_ref().is_some_and(|data| data.mapping.is_smooth());
+        let has_lines =
+            || context.data[instance].as_ref().is_none_or(|data| !data.mapping.isolines.is_empty());
         let features = Self { data: look.colors == ColorSource::Data, edges: look.edges };
-        (look.is(features) && (!features.data || is_smooth())).then_some(features)
+        (look.is(features) && !(features.data && has_lines())).then_some(features)
     }
 }
 

@@ -148,7 +148,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         ColorSource::Data if F::ARE_SPECIAL => {
             // Copies, as for edges.
             let (weight, values) = (at.weight, corners.values());
-            data::smooth(simd, context, instance, &weight, &values)
+            data::without_lines(simd, context, instance, &weight, &values)
         }
         ColorSource::Data => {
             let (color, opacity) = data::colors(simd, context, instance, sample, &at, corners);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_mesh::{Attribute, AttributeDomain};
-use tercio_scene::color_map::{Isolines, Scale};
+use tercio_scene::color_map::{Category, Isolines, Scale};
 use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Projection, Scene, SurfaceData, SurfaceEdges};
 
 use super::*;
@@ -46,6 +46,11 @@ fn smooth() -> DataColors {
     DataColors::new("x", ColorMap::named("viridis").unwrap(), [-0.5, 1.5])
 }
 
+fn categories(count: u8) -> Vec<Category> {
+    let category = |k: u8| Category { value: k.into(), color: [k, 10, 200, 255], label: k.to_string() };
+    (0..count).map(category).collect()
+}
+
 /// The features that the kernel has for a picture of a sphere with these data and edges.
 fn chosen(data: Option<SurfaceData>, edges: bool, settings: &Settings) -> Option<Explained> {
     let mut scene = sphere();
@@ -71,6 +76,8 @@ fn interpolated_values_and_edges_have_a_kernel_of_their_own() {
                 (attribute(4), DataColors { bands: Some(7), ..smooth() }),
                 (lengths(&[0, 1, 2]), smooth()),
                 (lengths(&[4, 5, 6]), ends.clone()),
+                (attribute(0), DataColors { categories: categories(3), ..smooth() }),
+                (attribute(0), DataColors { categories: categories(90), ..smooth() }),
             ] {
                 let said = format!("{source:?}, {colors:?}, edges {edges}");
                 let data = SurfaceData::Mapped { source, colors: Arc::new(colors) };
