@@ -1,4 +1,4 @@
-//! Messages on standard error, one line each.
+//! Messages on standard error, each written at once: a line, but for wrong usage.
 
 use std::borrow::Cow;
 use std::io;

@@ -1,6 +1,7 @@
 //! What reference and kernels share of lines along the sides of triangles.
 
-use tercio_mesh::edges::Beyond;
+use glam::DVec3;
+use tercio_mesh::edges::{Beyond, place};
 use tercio_scene::{Scene, SurfaceEdges};
 
 use crate::conventions::SUBPIXELS;
@@ -71,6 +72,48 @@ pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
         }
     }
     Ok(())
+}
+
+/// By how many sub-pixels the far end of an edge may be on the wrong side of the side that it is beyond: corners in the middle of a side are
+/// snapped to either.
+pub const SNAPPED: f32 = 2.0;
+
+/// Of the lines to far ends ([`Beyond::Quadrilaterals`], [`Beyond::Ends`]) of a triangle that is clipped, the nearest one to a point: its distance
+/// in sub-pixels, and how far the point is from the middle of the pixel across it. `sides` are those with lines of their own, `positions` its
+/// corners; `area` are barycentric coordinates, followed by their slopes; `x` and `y` are from the middle of the pixel.
+pub fn nearest_of_clipped(
+    edges: &SurfaceEdges,
+    (triangle, sides): (usize, u8),
+    positions: [[f32; 3]; 3],
+    [area, right, down]: [[f32; 3]; 3],
+    [x, y]: [f32; 2],
+) -> [f32; 2] {
+    let mut nearest = [f32::INFINITY, 0.0];
+    let at = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+    let mut to_far_end = |side: usize, end: usize, far: [f32; 3]| {
+        let [pivot, beside] = [end, 1 - end].map(|end| (side + 1 + end) % 3);
+        let [from, other, apex] = [pivot, beside, side].map(|corner| at(positions[corner]));
+        let Some(place) = place(from, other, apex, at(far)).filter(|place| *place > 0.0) else { return };
+        let of = |v: [f32; 3]| v[side] * place + v[beside];
+        let (value, right, down) = (of(area), of(right), of(down));
+        let inverse = 1.0 / (right * right + down * down).sqrt();
+        let distance = value.abs() * inverse;
+        if distance < nearest[0] {
+            nearest = [distance, (x * right + y * down).abs() * inverse];
+        }
+    };
+    match &edges.beyond {
+        Beyond::Nothing | Beyond::Polygons(_) => {}
+        Beyond::Quadrilaterals(fourth) => {
+            if let Some(position) = fourth.of(triangle) {
+                (0..2).for_each(|end| to_far_end(apex_of(sides), end, position));
+            }
+        }
+        Beyond::Ends(ends) => {
+            ends.of(triangle).for_each(|far| to_far_end(far.side.into(), far.end.into(), far.position));
+        }
+    }
+    nearest
 }
 
 /// Of half a quadrilateral, the number of the corner that is opposite to its diagonal: the only side without a line.

@@ -321,6 +321,15 @@ impl ObjectView {
         [p[0] - self.pivot[0], p[1] - self.pivot[1], p[2] - self.pivot[2]]
     }
 
+    /// Homogeneous coordinates of a position, in sub-pixels from the middle of the picture: x times w, y times w, and w, which is 1 for an
+    /// orthographic camera. The kernels execute the same sequence lane by lane.
+    #[inline]
+    pub fn homogeneous(&self, p: [f32; 3]) -> [f32; 3] {
+        let p = self.relative(p);
+        let row = |r: &[f32; 4]| ((p[0] * r[0] + p[1] * r[1]) + p[2] * r[2]) + r[3];
+        [row(&self.x), row(&self.y), if self.perspective { row(&self.w) } else { 1.0 }]
+    }
+
     /// Projects one position. The kernels execute the same sequence lane by lane.
     #[inline]
     pub fn project(&self, p: [f32; 3]) -> ScreenVertex {

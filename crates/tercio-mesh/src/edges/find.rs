@@ -42,6 +42,8 @@ struct Found {
     joined: Vec<Joined>,
     /// Edges at which an odd number of triangles meets, or not as many run one way as the other.
     open: u64,
+    /// Edges of more than two triangles.
+    crowded: u64,
 }
 
 /// The selected edges; `polygon` is the one that a triangle comes from: two triangles of the same are not divided by an edge. The edges
@@ -55,8 +57,17 @@ pub fn edges(
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
     let sides: Vec<AtomicU8> = mesh.triangles.iter().map(|_| AtomicU8::new(0)).collect();
-    let finder =
-        Finder { mesh, same: &same, around: &around, sides: &sides, polygon, turned: &turned, selection };
+    let parts = Parts::new(mesh.triangles.len());
+    let finder = Finder {
+        mesh,
+        same: &same,
+        around: &around,
+        sides: &sides,
+        parts: &parts,
+        polygon,
+        turned: &turned,
+        selection,
+    };
     let found = (0..mesh.positions.len() as u32)
         .into_par_iter()
         .with_min_len(1 << 12)
@@ -71,9 +82,9 @@ pub fn edges(
         .reduce(Found::default, |mut a, b| {
             a.edges.extend(b.edges);
             a.joined.extend(b.joined);
-            Found { open: a.open + b.open, ..a }
+            Found { open: a.open + b.open, crowded: a.crowded + b.crowded, ..a }
         });
-    let Found { edges: mut placed, joined, open } = found;
+    let Found { edges: mut placed, joined, open, crowded } = found;
     placed.par_sort_unstable_by_key(|edge| edge.0);
 
     // Vertices in the order in which edges use them, whatever their numbers in the mesh.
@@ -97,15 +108,16 @@ pub fn edges(
         .collect();
     let positions = Arc::new(positions);
     let is_solid = open == 0 && !mesh.triangles.is_empty();
-    let is_outward = is_solid && all_parts_are_outward(mesh, &same);
+    let is_outward = is_solid && crowded == 0 && all_parts_are_outward(mesh, &parts);
     let sides: Vec<u8> = sides.into_iter().map(AtomicU8::into_inner).collect();
     let corners = |t: u32| turned(mesh.triangles[t as usize]);
     let at = |t: u32, corner: u8| {
         DVec3::from(mesh.positions[corners(t)[usize::from(corner)] as usize].map(f64::from))
     };
-    let vertex = |t: u32, corner: u8| numbers[same[corners(t)[usize::from(corner)] as usize] as usize];
-    let of_polygons = polygons::of_polygons(&sides, &joined, Corners { at, vertex }, &positions);
+    let vertex = |t: u32, corner: u8| same[corners(t)[usize::from(corner)] as usize];
+    let of_polygons = polygons::of_polygons(&sides, &joined, Corners { at, vertex }, &numbers, &positions);
     let OfPolygons { beyond, bent } = of_polygons;
+    let vertex = |t: u32, corner: u8| numbers[vertex(t, corner) as usize];
     let bounds = positions
         .iter()
         .fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[min, max], &p| [min.min(p.into()), max.max(p.into())]);
@@ -130,7 +142,9 @@ pub fn edges(
                 && all[1] != all[2]
                 && all[2] != all[0]
         };
-        let first = around.at(ends[0] as usize).iter().filter(has_both).min()?;
+        // Of one of its ends that has few: time stays linear where many edges begin at one vertex.
+        let few = ends.iter().map(|&end| around.at(end as usize)).min_by_key(|triangles| triangles.len())?;
+        let first = few.iter().filter(has_both).min()?;
         let ends = ends.map(|v| numbers[v as usize]);
         let start = list.partition_point(|edge| edge.triangle < *first);
         let is_it = |edge: &&Edge| edge.ends == ends || edge.ends == [ends[1], ends[0]];
@@ -156,28 +170,17 @@ pub fn edges(
 }
 
 /// Does each part of a closed surface have its outside on the outside: is its volume, as its triangles are wound, above 0?
-fn all_parts_are_outward(mesh: &Mesh, same: &[u32]) -> bool {
-    let parts = Parts::new(mesh.positions.len());
-    mesh.triangles.par_iter().for_each(|triangle| {
-        let [a, b, c] = triangle.map(|v| same[v as usize]);
-        parts.join(a, b);
-        parts.join(b, c);
-    });
+fn all_parts_are_outward(mesh: &Mesh, parts: &Parts) -> bool {
     // One after another: the volume must not depend on the threads.
-    let mut volumes = vec![0.0; mesh.positions.len()];
+    let mut volumes = vec![0.0; mesh.triangles.len()];
     let origin = mesh.positions.first().copied().unwrap_or_default();
     let at =
         |v: u32| DVec3::from(mesh.positions[v as usize].map(f64::from)) - DVec3::from(origin.map(f64::from));
-    let mut roots = Vec::new();
-    for &[a, b, c] in &mesh.triangles {
-        let root = parts.find(same[a as usize]);
-        let volume = &mut volumes[root as usize];
-        if *volume == 0.0 {
-            roots.push(root);
-        }
-        *volume += at(a).dot(at(b).cross(at(c)));
+    for (triangle, &[a, b, c]) in (0..).zip(&mesh.triangles) {
+        volumes[parts.find(triangle) as usize] += at(a).dot(at(b).cross(at(c)));
     }
-    roots.iter().all(|&root| volumes[root as usize] > 0.0)
+    // A triangle without area is a part of its own, and has no volume.
+    volumes.iter().all(|&volume| volume >= 0.0)
 }
 
 struct Finder<'a, F, T> {
@@ -186,6 +189,8 @@ struct Finder<'a, F, T> {
     around: &'a Adjacency,
     /// [`Edges::sides`].
     sides: &'a [AtomicU8],
+    /// Triangles that are connected by edges of two.
+    parts: &'a Parts,
     polygon: F,
     turned: T,
     selection: Selection,
@@ -220,6 +225,10 @@ impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
     fn edge(&self, v: u32, group: &[Beside], found: &mut Found) {
         let away = group.iter().filter(|beside| beside.away).count();
         found.open += u64::from(2 * away != group.len());
+        found.crowded += u64::from(group.len() > 2);
+        if let [a, b] = group {
+            self.parts.join(a.triangle, b.triangle);
+        }
         let kind = match group.len() {
             1 => EdgeKind::Boundary,
             2 => EdgeKind::Inner,

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
+pub use polygons::place;
 pub use silhouettes::Viewer;
 
 use crate::mesh::power_of_two;
@@ -145,7 +146,7 @@ impl FourthCorners {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FarEnds {
     /// For each triangle the place of its first edge, and after that how many edges there are.
-    first: Vec<u32>,
+    first: Vec<u64>,
     /// For each edge the side of the triangle that it is beyond, twice, plus [`FarEnd::end`].
     sides: Vec<u8>,
     /// For each edge the vertex at its other end.
@@ -181,7 +182,7 @@ impl FarEnds {
                 sides.push(2 * side + end);
                 ends.push(vertex);
             }
-            first.push(ends.len() as u32);
+            first.push(ends.len() as u64);
         }
         Self { first, sides, ends, positions }
     }
@@ -231,7 +232,8 @@ pub struct Edges {
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
-    /// It is solid, and no part of it is turned inside out, as the wall of a cavity is: each part encloses a volume above 0.
+    /// It is solid, no edge has more than two triangles, and no part of it is turned inside out, as the wall of a cavity is: each part
+    /// encloses a volume above 0. Parts that intersect themselves may have places that are turned inside out nevertheless.
     pub is_outward: bool,
     /// The box of the positions; empty without any.
     bounds: [Vec3; 2],
@@ -257,9 +259,9 @@ impl Edges {
     pub fn needed_bytes(mesh: &ClusteredMesh) -> u64 {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
-        // of a closed mesh three for two triangles, of a soup three a triangle; sides, their twins, what is beyond them, and
-        // folds. Cones take less than what is gone then.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1 + 24 + 24 + 64)
+        // of a closed mesh three for two triangles, of a soup three a triangle; sides, parts, twins, what is beyond them,
+        // twice, and folds. Cones take less than what is gone then.
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 64 + 1 + 4 + 24 + 48 + 40 + 64)
     }
 
     /// Position of a vertex in object space.

@@ -1,6 +1,8 @@
 //! Polygons of several triangles: where, seen from one of their triangles, the sides of the others are.
 
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use glam::{DVec2, DVec3};
 
@@ -21,9 +23,11 @@ const MOST_BENT: f64 = 0.0175;
 /// A triangle that is less high over a side than this many times the length of the side may have any direction, by rounding.
 const LEAST_HEIGHT: f64 = 1e-3;
 
-/// Corners of triangles: where they are, and their vertex numbers among those that edges use.
+/// Corners of triangles.
 pub struct Corners<P, V> {
+    /// Where a corner of a triangle is.
     pub at: P,
+    /// Its vertex in the mesh: the same for all corners at one position.
     pub vertex: V,
 }
 
@@ -42,11 +46,12 @@ pub struct BentSide {
     pub edges: [Option<(u32, u8)>; 4],
 }
 
-/// `joined` are all sides that are no edges.
+/// `joined` are all sides that are no edges; `numbers` those of vertices of the mesh among those that edges use.
 pub fn of_polygons<P, V>(
     sides: &[u8],
     joined: &[Joined],
     corners: Corners<P, V>,
+    numbers: &[u32],
     positions: &Arc<Vec<[f32; 3]>>,
 ) -> OfPolygons
 where
@@ -65,18 +70,19 @@ where
     let has_four = joined.iter().flat_map(|pair| &pair.triangles).all(is_half);
     let polygons = Polygons { twins: &twins, corners };
     let is_bent: Vec<bool> = joined.par_iter().map(|pair| polygons.is_bent(pair)).collect();
+    let is_any_bent = is_bent.contains(&true);
+    let far = if has_four && !is_any_bent { Vec::new() } else { polygons.far_edges() };
     let positions = Arc::clone(positions);
-    let beyond = match has_four {
-        true => Beyond::Quadrilaterals(polygons.fourth_corners(positions)),
-        false if is_bent.contains(&true) => Beyond::Ends(polygons.far_ends(positions)),
-        false => match polygons.places_in_planes() {
+    let beyond = if has_four {
+        Beyond::Quadrilaterals(polygons.fourth_corners(numbers, positions))
+    } else {
+        match if is_any_bent { None } else { polygons.places(&far) } {
             Some(places) => Beyond::Polygons(places),
-            None => Beyond::Ends(polygons.far_ends(positions)),
-        },
+            None => Beyond::Ends(polygons.far_ends(&far, numbers, positions)),
+        }
     };
     let bent = joined.par_iter().zip(&is_bent).filter(|(_, is_bent)| **is_bent);
-    let bent =
-        bent.map(|(pair, _)| BentSide { joined: *pair, edges: polygons.edges_at_ends(pair) }).collect();
+    let bent = bent.map(|(pair, _)| BentSide { joined: *pair, edges: edges_at_ends(pair, &far) }).collect();
     OfPolygons { beyond, bent }
 }
 
@@ -87,13 +93,45 @@ struct Side {
     from: u8,
 }
 
-/// The side opposite to a corner of a triangle begins at the next corner.
-fn side_opposite(triangle: u32, corner: u8) -> Side {
-    Side { triangle, from: (corner + 1) % 3 }
-}
-
 /// No side.
 const NONE: Side = Side { triangle: u32::MAX, from: 0 };
+
+/// For each end of a side, which is opposite to a corner, the edge of the polygon that begins there beyond the side.
+type FarEdges = [[AtomicU64; 2]; 3];
+
+/// An edge that begins at one of its ends, from there on, as a side of a triangle.
+#[derive(Clone, Copy)]
+struct FarEdge {
+    side: Side,
+    /// It begins at the second end of the side.
+    is_turned: bool,
+}
+
+impl FarEdge {
+    fn encode(self) -> u64 {
+        (u64::from(self.side.triangle) * 3 + u64::from(self.side.from)) * 2 + u64::from(self.is_turned)
+    }
+
+    fn decode(code: &AtomicU64) -> Option<Self> {
+        let code = Some(code.load(Relaxed)).filter(|code| *code != u64::MAX)?;
+        let side = Side { triangle: (code / 6) as u32, from: (code / 2 % 3) as u8 };
+        Some(Self { side, is_turned: code % 2 == 1 })
+    }
+
+    /// The corner of the triangle at which the edge ends.
+    fn end(self) -> u8 {
+        if self.is_turned { self.side.from } else { (self.side.from + 1) % 3 }
+    }
+}
+
+/// The edges of the polygon that begin at the ends of a side, seen from both triangles.
+fn edges_at_ends(pair: &Joined, far: &[FarEdges]) -> [Option<(u32, u8)>; 4] {
+    std::array::from_fn(|n| {
+        let (triangle, from) = (pair.triangles[n / 2], pair.corners[n / 2]);
+        let edge = FarEdge::decode(&far[triangle as usize][usize::from(from + 2) % 3][n % 2])?;
+        Some((edge.side.triangle, edge.side.from))
+    })
+}
 
 /// Triangles with what is on the other side of those of their sides that are no edges.
 struct Polygons<'a, P, V> {
@@ -103,156 +141,131 @@ struct Polygons<'a, P, V> {
 }
 
 impl<P: Fn(u32, u8) -> DVec3 + Sync, V: Fn(u32, u8) -> u32 + Sync> Polygons<'_, P, V> {
-    /// Are two triangles of a polygon in different planes?
-    fn is_bent(&self, Joined { triangles: [a, b], corners: [of_a, of_b] }: &Joined) -> bool {
-        let at = &self.corners.at;
-        let [from, to, apex] = [0, 1, 2].map(|k| at(*a, (of_a + k) % 3));
-        let both = normals_beside(from, to, [apex, at(*b, (of_b + 2) % 3)]);
-        let (sin, cos) = bend(both);
-        let is_sliver = |normal: DVec3| normal.length() <= LEAST_HEIGHT * from.distance_squared(to);
-        sin > MOST_BENT * cos && !both.into_iter().any(is_sliver)
-    }
-
-    /// [`Beyond::Quadrilaterals`].
-    fn fourth_corners(&self, positions: Arc<Vec<[f32; 3]>>) -> FourthCorners {
-        let of_half = |twins: &[Side; 3]| {
-            let twin = twins.iter().find(|twin| **twin != NONE);
-            twin.map_or(Edge::NONE, |twin| (self.corners.vertex)(twin.triangle, (twin.from + 2) % 3))
-        };
-        FourthCorners { vertices: self.twins.par_iter().map(of_half).collect(), positions }
-    }
-
-    /// [`Beyond::Polygons`], of polygons that are flat; `None` if one has a reflex angle.
-    fn places_in_planes(&self) -> Option<Vec<[[f32; 2]; 3]>> {
-        let opposite = |t: u32, k: u8| self.places(side_opposite(t, k));
-        let of_triangle = |t| Some([opposite(t, 0)?, opposite(t, 1)?, opposite(t, 2)?]);
-        (0..self.twins.len() as u32).into_par_iter().map(of_triangle).collect()
-    }
-
-    /// [`Beyond::Ends`].
-    fn far_ends(&self, positions: Arc<Vec<[f32; 3]>>) -> FarEnds {
-        let of_triangle = |t: u32| {
-            let of_side = move |k: u8| {
-                let of_end = move |n: u8| {
-                    let (_, end) = self.far_edge(side_opposite(t, k), (k + 1 + n) % 3)?;
-                    Some((2 * k + n, end))
-                };
-                (0..2).filter_map(of_end)
-            };
-            (0..3).flat_map(of_side)
-        };
-        let triangles = 0..self.twins.len() as u32;
-        let counts: Vec<u32> =
-            triangles.clone().into_par_iter().map(|t| of_triangle(t).count() as u32).collect();
-        let mut first = Vec::with_capacity(counts.len() + 1);
-        first.push(0);
-        for count in counts {
-            first.push(first[first.len() - 1] + count);
-        }
-        let list: Vec<(u8, u32)> = triangles.into_par_iter().flat_map_iter(of_triangle).collect();
-        let (sides, ends) = list.into_iter().unzip();
-        FarEnds { first, sides, ends, positions }
-    }
-
-    /// The edges of the polygon that begin at the ends of a side, seen from both triangles.
-    fn edges_at_ends(&self, pair: &Joined) -> [Option<(u32, u8)>; 4] {
-        std::array::from_fn(|n| {
-            let (triangle, from) = (pair.triangles[n / 2], pair.corners[n / 2]);
-            let (side, _) = self.far_edge(Side { triangle, from }, (from + n as u8 % 2) % 3)?;
-            Some((side.triangle, side.from))
-        })
-    }
-
-    /// The next edge of the polygon round an end of a side of a triangle, beyond the side, and the vertex of the edge's other end. None if
-    /// the side is an edge itself, or triangles are all round its end.
-    fn far_edge(&self, side: Side, end: u8) -> Option<(Side, u32)> {
-        let vertex = |side: Side, k: u8| (self.corners.vertex)(side.triangle, (side.from + k) % 3);
-        let pivot = (self.corners.vertex)(side.triangle, end);
-        let mut twin = self.twin(side);
-        while twin != NONE && twin.triangle != side.triangle {
-            let beyond =
-                Side { from: (twin.from + if vertex(twin, 0) == pivot { 2 } else { 1 }) % 3, ..twin };
-            let next = self.twin(beyond);
-            if next == NONE {
-                return Some((beyond, vertex(twin, 2)));
-            }
-            twin = next;
-        }
-        None
+    fn triangles(&self) -> Range<u32> {
+        0..self.twins.len() as u32
     }
 
     fn twin(&self, side: Side) -> Side {
         self.twins[side.triangle as usize][usize::from(side.from)]
     }
 
-    /// The ends of a side, and the third corner.
-    fn corners(&self, side: Side) -> [DVec3; 3] {
-        [0, 1, 2].map(|k| (self.corners.at)(side.triangle, (side.from + k) % 3))
+    fn vertex(&self, triangle: u32, corner: u8) -> u32 {
+        (self.corners.vertex)(triangle, corner % 3)
     }
 
-    /// The edges of the polygon that begin at the ends of a side of a triangle and are beyond it: [`Beyond::Polygons`] has
-    /// the meaning of the values, which are 0 if the side is an edge itself. `None` if the angle of the polygon there is reflex: the line of a
-    /// side of the triangle would not end there.
-    fn places(&self, side: Side) -> Option<[f32; 2]> {
-        let [from, to, apex] = self.corners(side);
-        let place = |pivot: DVec3, other: DVec3| {
-            let turn = match self.turn(side, pivot) {
-                Turn::Nowhere => return Some(0.0),
-                Turn::Reflex => return None,
-                Turn::To(turn) => turn,
-            };
-            // With the angle of the triangle itself.
-            let both = turn.rotate(angle(pivot, other, apex));
-            if is_reflex(both) {
-                return None;
+    fn at(&self, triangle: u32, corner: u8) -> DVec3 {
+        (self.corners.at)(triangle, corner % 3)
+    }
+
+    /// Are two triangles of a polygon in different planes?
+    fn is_bent(&self, Joined { triangles: [a, b], corners: [of_a, of_b] }: &Joined) -> bool {
+        let [from, to, apex] = [0, 1, 2].map(|k| self.at(*a, of_a + k));
+        let both = normals_beside(from, to, [apex, self.at(*b, of_b + 2)]);
+        let (sin, cos) = bend(both);
+        let is_sliver = |normal: DVec3| normal.length() <= LEAST_HEIGHT * from.distance_squared(to);
+        sin > MOST_BENT * cos && !both.into_iter().any(is_sliver)
+    }
+
+    /// For each triangle. From each end of each edge, the triangles round it that the polygon has there are passed once.
+    fn far_edges(&self) -> Vec<FarEdges> {
+        let none = |_| [0; 3].map(|_| [0; 2].map(|_| AtomicU64::new(u64::MAX)));
+        let far: Vec<FarEdges> = self.triangles().into_par_iter().map(none).collect();
+        self.triangles().into_par_iter().for_each(|triangle| {
+            for (from, end) in (0..3).flat_map(|from| [(from, 0), (from, 1)]) {
+                let side = Side { triangle, from };
+                if self.twin(side) != NONE {
+                    continue;
+                }
+                let edge = FarEdge { side, is_turned: end == 1 };
+                let pivot = self.vertex(triangle, from + end);
+                // The other side that begins or ends at the pivot.
+                let mut next = Side { triangle, from: (from + if end == 0 { 2 } else { 1 }) % 3 };
+                loop {
+                    let twin = self.twin(next);
+                    if twin == NONE {
+                        break;
+                    }
+                    let end = usize::from(self.vertex(twin.triangle, twin.from) != pivot);
+                    let of_side = &far[twin.triangle as usize][usize::from(twin.from + 2) % 3];
+                    of_side[end].store(edge.encode(), Relaxed);
+                    next = Side { from: (twin.from + if end == 0 { 2 } else { 1 }) % 3, ..twin };
+                }
             }
-            let place = both.y / (turn.y * other.distance_squared(pivot));
-            // A line that is nearly the side itself; and none where it is nearly the other side of the triangle, or not a number.
-            Some(if place > 0.0 { place.min(Beyond::MOST) as f32 } else { 0.0 })
-        };
-        Some([place(to, from)?, place(from, to)?])
+        });
+        far
     }
 
-    /// The angle at an end of a side, from the side to the next edge of the polygon beyond it: all triangles in between are turned about
-    /// their sides into the plane of this one.
-    fn turn(&self, side: Side, pivot: DVec3) -> Turn {
-        let mut twin = self.twin(side);
-        let (mut turn, mut has_turned): (Option<DVec2>, bool) = (None, false);
-        while twin != NONE && twin.triangle != side.triangle {
-            let [from, to, next] = self.corners(twin);
-            let other = if from == pivot { to } else { from };
-            let step = angle(pivot, other, next);
-            let sum = turn.map_or(step, |turn| turn.normalize_or_zero().rotate(step));
-            has_turned |= is_reflex(sum);
-            turn = Some(sum);
-            let beyond = Side { from: (twin.from + if from == pivot { 2 } else { 1 }) % 3, ..twin };
-            twin = self.twin(beyond);
+    /// [`Beyond::Quadrilaterals`].
+    fn fourth_corners(&self, numbers: &[u32], positions: Arc<Vec<[f32; 3]>>) -> FourthCorners {
+        let of_half = |twins: &[Side; 3]| {
+            let twin = twins.iter().find(|twin| **twin != NONE);
+            twin.map_or(Edge::NONE, |twin| numbers[self.vertex(twin.triangle, twin.from + 2) as usize])
+        };
+        FourthCorners::new(self.twins.par_iter().map(of_half).collect(), positions)
+    }
+
+    /// [`Beyond::Ends`].
+    fn far_ends(&self, far: &[FarEdges], numbers: &[u32], positions: Arc<Vec<[f32; 3]>>) -> FarEnds {
+        let of_triangle = |t: u32| {
+            let all = far[t as usize].as_flattened().iter().zip(0..);
+            all.filter_map(|(code, place): (_, u8)| {
+                let edge = FarEdge::decode(code)?;
+                Some((place, numbers[self.vertex(edge.side.triangle, edge.end()) as usize]))
+            })
+        };
+        let counts: Vec<u64> =
+            self.triangles().into_par_iter().map(|t| of_triangle(t).count() as u64).collect();
+        let mut first = Vec::with_capacity(counts.len() + 1);
+        first.push(0);
+        for count in counts {
+            first.push(first[first.len() - 1] + count);
         }
-        match turn {
-            Some(_) if twin == NONE && has_turned => Turn::Reflex,
-            Some(turn) if twin == NONE => Turn::To(turn),
-            _ => Turn::Nowhere,
-        }
+        let list: Vec<(u8, u32)> = self.triangles().into_par_iter().flat_map_iter(of_triangle).collect();
+        let (sides, ends) = list.into_iter().unzip();
+        FarEnds { first, sides, ends, positions }
+    }
+
+    /// [`Beyond::Polygons`], of polygons that are flat; `None` if one has a reflex angle.
+    fn places(&self, far: &[FarEdges]) -> Option<Vec<[[f32; 2]; 3]>> {
+        let at_end = |t: u32, side: u8, end: u8| {
+            let code = &far[t as usize][usize::from(side)][usize::from(end)];
+            let Some(edge) = FarEdge::decode(code) else { return Some(0.0) };
+            let [pivot, other] = [end, 1 - end].map(|end| self.at(t, side + 1 + end));
+            place(pivot, other, self.at(t, side), self.at(edge.side.triangle, edge.end()))
+        };
+        let of_side = |t: u32, side: u8| Some([at_end(t, side, 1)?, at_end(t, side, 0)?]);
+        let of_triangle = |t: u32| Some([of_side(t, 0)?, of_side(t, 1)?, of_side(t, 2)?]);
+        self.triangles().into_par_iter().map(of_triangle).collect()
     }
 }
 
-/// The way round an end of a side to the next edge.
-enum Turn {
-    /// There is no edge: the side is one itself, or triangles are all round its end.
-    Nowhere,
-    /// More than 180 degrees.
-    Reflex,
-    /// The angle, as a vector in its direction.
-    To(DVec2),
+/// The number of [`Beyond::Polygons`] of an edge from an end of a side to somewhere in the plane of a triangle, on the other side of the
+/// side, given the other end of the side and the corner opposite to it; what is not in the plane is turned into it about the side. 0 if
+/// there is none beside the sides of the triangle, `None` if the angle of the polygon there is reflex: the line of a side of the triangle
+/// would not end there.
+pub fn place(pivot: DVec3, other: DVec3, apex: DVec3, far: DVec3) -> Option<f32> {
+    let [side, own, far] = [other, apex, far].map(|p| p - pivot);
+    let normal = side.cross(own);
+    let away = far.cross(side);
+    let is_sliver = normal.length() <= LEAST_HEIGHT * side.length_squared();
+    // The angle from the side to the edge, as a vector in its direction.
+    let turn = DVec2::new(side.dot(far), away.length());
+    let is_inside = !is_sliver && normal.dot(away) < 0.0;
+    let is_along = turn.y <= MOST_BENT * turn.x;
+    if is_inside && !is_along {
+        return None;
+    }
+    // With the angle of the triangle itself.
+    let both = turn.rotate(DVec2::new(side.dot(own), normal.length()));
+    if is_reflex(both) {
+        return None;
+    }
+    let place = both.y / (turn.y * side.length_squared());
+    // A line that is nearly the side itself; and none where it is nearly the other side of the triangle, or not a number.
+    Some(if place > 0.0 { place.min(Beyond::MOST) as f32 } else { 0.0 })
 }
 
 /// Is the angle of a vector above 180 degrees, by more than a degree? Sums of angles are below 360 degrees.
 fn is_reflex(turn: DVec2) -> bool {
     turn.y < 0.0 && (turn.x > 0.0 || turn.y < MOST_BENT * turn.x)
-}
-
-/// The angle between the directions from a corner to two others, as a vector in its direction, from 0 to 180 degrees.
-fn angle(at: DVec3, from: DVec3, to: DVec3) -> DVec2 {
-    let (from, to) = (from - at, to - at);
-    DVec2::new(from.dot(to), from.cross(to).length())
 }

@@ -26,9 +26,9 @@ use super::interpolate::Interpolation;
 use super::light::Vec3x16;
 use super::shade::displayable;
 use crate::context::FrameContext;
-use crate::projection::project;
+use crate::projection::homogeneous;
 use crate::simd::{LANES, each3, splat, splat_i};
-use crate::surface_edges::{Footprint, PIXELS, apex_of};
+use crate::surface_edges::{Footprint, PIXELS, SNAPPED, apex_of, nearest_of_clipped};
 use crate::view::ObjectView;
 
 /// Light with the lines of 16 triangles over it.
@@ -52,7 +52,11 @@ pub fn over<S: Simd>(
         edges.is_some_and(|edges| matches!(edges.beyond, Beyond::Quadrilaterals(_) | Beyond::Ends(_)));
     let screen = has_ends.then(
         #[inline(always)]
-        || OnScreen { sample, x: corners.x, y: corners.y, from_middle },
+        || {
+            let clipped = (corners.beyond != 0)
+                .then(|| clipped_lines(context, instance, &fragments.from_middle, at, &slopes, corners));
+            OnScreen { sample, x: corners.x, y: corners.y, from_middle, clipped }
+        },
     );
     let all = (&area, &slopes, screen.as_ref());
     blend(simd, context, instance, &fragments.from_middle, all, &numbers, &depths, &light)
@@ -65,51 +69,69 @@ struct OnScreen<S: Simd> {
     y: [i32x16<S>; 3],
     /// The offset from these coordinates to coordinates relative to the middle of the picture.
     from_middle: [i32; 2],
+    /// In lanes whose triangles are clipped, the distance of the nearest line to a far end, and how far the point is from the middle of the
+    /// pixel across it.
+    clipped: Option<[[f32; LANES]; 2]>,
+}
+
+/// [`OnScreen::clipped`].
+#[cold]
+#[inline(never)]
+fn clipped_lines<S: Simd>(
+    context: &FrameContext,
+    instance: usize,
+    from_middle: &[[i32; LANES]; 2],
+    at: &Interpolation<S>,
+    slopes: &[Vec3x16<S>; 2],
+    corners: &Corners<S>,
+) -> [[f32; LANES]; 2] {
+    let mut nearest = [[f32::INFINITY; LANES], [0.0; LANES]];
+    let Some(edges) = context.scene.instances[instance].edges.as_deref() else { return nearest };
+    for lane in (0..LANES).filter(|lane| corners.beyond >> lane & 1 == 1) {
+        let triangle = corners.numbers[lane];
+        let positions = corners.position.map(|corner| corner.map(|axis: f32x16<S>| axis[lane]));
+        let of = [at.area, slopes[0], slopes[1]].map(|v| v.map(|value: f32x16<S>| value[lane]));
+        let from_middle = from_middle.map(|axis| axis[lane] as f32);
+        let sides = edges.sides_of(triangle);
+        let found = nearest_of_clipped(edges, (triangle as usize, sides), positions, of, from_middle);
+        [nearest[0][lane], nearest[1][lane]] = found;
+    }
+    nearest
+}
+
+/// Lines from one end of a side of each of 16 triangles to points beyond it.
+struct FarLines<S: Simd> {
+    /// Their edge functions at the points, with their slopes.
+    line: Vec3x16<S>,
+    /// The points are not behind the beginnings: those are as near to the sides of the triangles there.
+    is_before: mask32x16<S>,
+    /// The far ends are on the other side of the sides.
+    is_beyond: mask32x16<S>,
 }
 
 impl<S: Simd> OnScreen<S> {
-    /// Projects points of 16 triangles, of which those with a bit in `beyond` have a corner outside of the guard band.
+    /// `to` are homogeneous coordinates of the far ends, `from` the coordinates of the beginnings, `slopes` those of the sides. Homogeneous
+    /// coordinates hold wherever a far end is.
     #[inline(always)]
-    fn project(&self, simd: S, object: &ObjectView, positions: Vec3x16<S>, beyond: u32) -> Far<S> {
-        let projected = project(simd, object, positions);
-        let [x, y] = [0, 1].map(
-            #[inline(always)]
-            |k| object.offset[k] + self.from_middle[k],
-        );
-        let are_inside = mask32x16::from_bitmask(simd, u64::from(!beyond));
-        Far { x: projected.x - x, y: projected.y - y, inside: projected.inside & are_inside }
-    }
-}
-
-/// The far ends of lines, in the coordinate system of the corners.
-struct Far<S: Simd> {
-    x: i32x16<S>,
-    y: i32x16<S>,
-    /// They and the corners of their triangles are valid.
-    inside: mask32x16<S>,
-}
-
-impl<S: Simd> Far<S> {
-    /// Lanes in which they are on the other side of the side of a triangle with these slopes that begins or ends there.
-    #[inline(always)]
-    fn is_beyond(
+    fn lines(
         &self,
-        [x, y]: [i32x16<S>; 2],
+        to: &Vec3x16<S>,
+        from: [i32x16<S>; 2],
         [right, down]: [f32x16<S>; 2],
         whole: f32x16<S>,
-    ) -> mask32x16<S> {
-        let (x, y): (f32x16<S>, f32x16<S>) = ((self.x - x).to_float(), (self.y - y).to_float());
-        ((right * x + down * y) * whole).simd_lt(splat(whole.simd, 0.0))
-    }
-
-    /// The edge function of the line from somewhere at the points, with its slopes, and the points that are not behind its beginning:
-    /// those are as near to the sides of the triangle there.
-    #[inline(always)]
-    fn line(&self, [x, y]: [i32x16<S>; 2], sample: [i32x16<S>; 2]) -> (Vec3x16<S>, mask32x16<S>) {
-        let (of_x, of_y): (f32x16<S>, f32x16<S>) = ((sample[0] - x).to_float(), (sample[1] - y).to_float());
-        let (x, y): (f32x16<S>, f32x16<S>) = ((self.x - x).to_float(), (self.y - y).to_float());
-        let is_before = (of_x * x + of_y * y).simd_ge(splat(x.simd, 0.0));
-        ([of_x * y - of_y * x, y, -x], is_before)
+    ) -> FarLines<S> {
+        let simd = whole.simd;
+        let zero = splat(simd, 0.0);
+        let from_x: f32x16<S> = (from[0] + self.from_middle[0]).to_float();
+        let from_y: f32x16<S> = (from[1] + self.from_middle[1]).to_float();
+        let (x, y) = (to[0] - from_x * to[2], to[1] - from_y * to[2]);
+        let of_x: f32x16<S> = (self.sample[0] - from[0]).to_float();
+        let of_y: f32x16<S> = (self.sample[1] - from[1]).to_float();
+        let inwards = right * x + down * y;
+        let inwards = whole.simd_lt(zero).select(-inwards, inwards);
+        let snapped = (right.abs() + down.abs()) * (to[2].abs() * SNAPPED);
+        let is_before = (of_x * x + of_y * y).simd_ge(zero);
+        FarLines { line: [of_x * y - of_y * x, y, -x], is_before, is_beyond: inwards.simd_lt(snapped) }
     }
 }
 
@@ -147,32 +169,29 @@ fn blend<S: Simd>(
             let functions = [area, &slopes[0], &slopes[1]];
             let object = &context.objects[instance];
             let whole = (area[0] + area[1]) + area[2];
+            let inside = mask32x16::from_bitmask(simd, u64::from(!depths.1));
             match &edges.beyond {
                 Beyond::Nothing => {}
                 Beyond::Quadrilaterals(fourth) => {
                     let Some(screen) = screen else { return *light };
-                    let (mut positions, mut places) = ([[0.0; LANES]; 3], [-1; LANES]);
+                    let (mut positions, mut sides) = ([[0.0; LANES]; 3], [-1; LANES]);
                     for lane in 0..LANES {
                         if let Some(position) = fourth.of(numbers[lane] as usize) {
                             (0..3).for_each(|k| positions[k][lane] = position[k]);
-                            places[lane] = apex_of(bits[lane] as u8) as i32;
+                            sides[lane] = apex_of(bits[lane] as u8) as i32;
                         }
                     }
                     let positions = each3!(K => f32x16::load_array_ref(simd, &positions[K]));
-                    let side = i32x16::load_array_ref(simd, &places);
+                    let side = i32x16::load_array_ref(simd, &sides);
                     let is_side = each3!(K => side.simd_eq(splat_i(simd, K as i32)));
-                    let far = screen.project(simd, object, positions, depths.1);
-                    let [x_first, y_first] =
-                        [after_i(&is_side, &screen.x, 1), after_i(&is_side, &screen.y, 1)];
-                    let [x_second, y_second] =
-                        [after_i(&is_side, &screen.x, 2), after_i(&is_side, &screen.y, 2)];
+                    let to = homogeneous(simd, object, positions);
                     let slope = [after(&is_side, &slopes[0], 0), after(&is_side, &slopes[1], 0)];
-                    let is_there = far.inside & side.simd_ge(splat_i(simd, 0));
-                    let is_beyond = is_there & far.is_beyond([x_first, y_first], slope, whole);
-                    let (line, is_before) = far.line([x_first, y_first], screen.sample);
-                    nearest.add(line, [x, y], is_beyond & is_before);
-                    let (line, is_before) = far.line([x_second, y_second], screen.sample);
-                    nearest.add(line, [x, y], is_beyond & is_before);
+                    let is_there = inside & side.simd_ge(splat_i(simd, 0));
+                    for end in [1, 2] {
+                        let from = [after_i(&is_side, &screen.x, end), after_i(&is_side, &screen.y, end)];
+                        let far = screen.lines(&to, from, slope, whole);
+                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_before);
+                    }
                 }
                 Beyond::Ends(ends) => {
                     let Some(screen) = screen else { return *light };
@@ -181,16 +200,15 @@ fn blend<S: Simd>(
                         let place = i32x16::load_array_ref(simd, places);
                         let is_side = each3!(K => (place >> 1).simd_eq(splat_i(simd, K as i32)));
                         let is_second = (place & 1).simd_eq(splat_i(simd, 1));
-                        let far = screen.project(simd, object, *position, depths.1);
+                        let to = homogeneous(simd, object, *position);
                         let from_x = is_second
                             .select(after_i(&is_side, &screen.x, 2), after_i(&is_side, &screen.x, 1));
                         let from_y = is_second
                             .select(after_i(&is_side, &screen.y, 2), after_i(&is_side, &screen.y, 1));
                         let slope = [after(&is_side, &slopes[0], 0), after(&is_side, &slopes[1], 0)];
-                        let is_there = far.inside & place.simd_ge(splat_i(simd, 0));
-                        let is_beyond = is_there & far.is_beyond([from_x, from_y], slope, whole);
-                        let (line, is_before) = far.line([from_x, from_y], screen.sample);
-                        nearest.add(line, [x, y], is_beyond & is_before);
+                        let far = screen.lines(&to, [from_x, from_y], slope, whole);
+                        let is_there = inside & place.simd_ge(splat_i(simd, 0));
+                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_before);
                     }
                 }
                 Beyond::Polygons(all) => {
@@ -213,6 +231,13 @@ fn blend<S: Simd>(
                         }
                     }
                 }
+            }
+            if let Some(clipped) = screen.and_then(|screen| screen.clipped.as_ref()) {
+                let [distance, across] =
+                    [f32x16::load_array_ref(simd, &clipped[0]), f32x16::load_array_ref(simd, &clipped[1])];
+                let is_nearer = distance.simd_lt(nearest.distance);
+                nearest.distance = is_nearer.select(distance, nearest.distance);
+                nearest.across = is_nearer.select(across, nearest.across);
             }
             let Nearest { distance: nearest, across } = nearest;
             let Footprint { size, shrinking, least } = context.footprint;

@@ -59,6 +59,14 @@ pub(crate) fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) ->
     )
 }
 
+/// [`ObjectView::homogeneous`], lane by lane.
+#[inline(always)]
+pub(crate) fn homogeneous<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    let p = relative(simd, view, p);
+    let w = if view.perspective { row(simd, &view.w, p) } else { splat(simd, 1.0) };
+    [row(simd, &view.x, p), row(simd, &view.y, p), w]
+}
+
 /// [`ObjectView::relative`], lane by lane.
 #[inline(always)]
 pub(crate) fn relative<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> [f32x16<S>; 3] {

@@ -6,16 +6,16 @@ use tercio_scene::SurfaceEdges;
 use super::shading::{Vec3, each, shading_distance, shown};
 use crate::conventions::SUBPIXELS;
 use crate::settings::Settings;
-use crate::surface_edges::{Footprint, PIXELS, apex_of};
-use crate::view::{ObjectView, ScreenVertex};
+use crate::surface_edges::{Footprint, PIXELS, SNAPPED, apex_of, nearest_of_clipped};
+use crate::view::ObjectView;
 
 /// Light with the lines over it. `area` and its change from one sub-pixel to the next are those of the sides, and `scale` what makes them
-/// barycentric coordinates in perspective; `corners` are on the screen.
+/// barycentric coordinates in perspective; `positions` are those of the corners.
 #[expect(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
 pub fn over(
     edges: &SurfaceEdges,
     triangle: usize,
-    (object, corners): (&ObjectView, [ScreenVertex; 3]),
+    (object, positions): (&ObjectView, [Vec3; 3]),
     (area, right, down): (Vec3, Vec3, Vec3),
     scale: Vec3,
     settings: &Settings,
@@ -24,6 +24,7 @@ pub fn over(
 ) -> Vec3 {
     let [x, y] = sample.map(|c| (c.rem_euclid(SUBPIXELS) - SUBPIXELS / 2) as f32);
     let sides = edges.sides_of(triangle as u32);
+    let projected = positions.map(|p| object.project(p));
     let (mut nearest, mut across) = (f32::INFINITY, 0.0);
     let mut line = |area: f32, right: f32, down: f32| {
         let inverse = 1.0 / (right * right + down * down).sqrt();
@@ -33,24 +34,32 @@ pub fn over(
         }
     };
     (0..3).filter(|k| sides >> k & 1 == 1).for_each(|k| line(area[k], right[k], down[k]));
-    // The line from an end of a side to a point that is on the other side of the side.
+    // The line from an end of a side to a point that is on the other side of the side. Homogeneous coordinates hold wherever the point is.
     let whole = (area[0] + area[1]) + area[2];
     let to_far_end = |line: &mut dyn FnMut(f32, f32, f32), side: usize, end: usize, position: Vec3| {
-        let from = corners[(side + 1 + end) % 3];
-        let to = object.project(position);
-        if !to.inside || corners.iter().any(|corner| !corner.inside) {
-            return;
-        }
-        let (x, y) = ((to.x - from.x) as f32, (to.y - from.y) as f32);
-        let (of_x, of_y) = ((sample[0] - from.x) as f32, (sample[1] - from.y) as f32);
-        let is_beyond = (right[side] * x + down[side] * y) * whole < 0.0;
+        let corner = projected[(side + 1 + end) % 3];
+        let to = object.homogeneous(position);
+        let from = [(corner.x - object.offset[0]) as f32, (corner.y - object.offset[1]) as f32];
+        let (x, y) = (to[0] - from[0] * to[2], to[1] - from[1] * to[2]);
+        let (of_x, of_y) = ((sample[0] - corner.x) as f32, (sample[1] - corner.y) as f32);
+        let inwards = right[side] * x + down[side] * y;
+        let inwards = if whole < 0.0 { -inwards } else { inwards };
+        let snapped = (right[side].abs() + down[side].abs()) * (to[2].abs() * SNAPPED);
         // A point behind the end is as near to the sides of the triangle there.
-        if is_beyond && of_x * x + of_y * y >= 0.0 {
+        if inwards < snapped && of_x * x + of_y * y >= 0.0 {
             line(of_x * y - of_y * x, y, -x);
         }
     };
+    let is_clipped = projected.iter().any(|corner| !corner.inside);
     match &edges.beyond {
         Beyond::Nothing => {}
+        Beyond::Quadrilaterals(_) | Beyond::Ends(_) if is_clipped => {
+            let of = [area, right, down];
+            let clipped = nearest_of_clipped(edges, (triangle, sides), positions, of, [x, y]);
+            if clipped[0] < nearest {
+                [nearest, across] = clipped;
+            }
+        }
         Beyond::Quadrilaterals(fourth) => {
             if let Some(position) = fourth.of(triangle) {
                 (0..2).for_each(|end| to_far_end(&mut line, apex_of(sides), end, position));

@@ -101,19 +101,16 @@ pub fn shade(
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
     let with_edges = |light: Vec3| match &instance.edges {
-        Some(lines) => {
-            let corners = (object, p.map(|p| object.project(p)));
-            edges::over(
-                lines,
-                triangle,
-                corners,
-                (area, slopes[0], slopes[1]),
-                scale,
-                settings,
-                sample,
-                light,
-            )
-        }
+        Some(lines) => edges::over(
+            lines,
+            triangle,
+            (object, p),
+            (area, slopes[0], slopes[1]),
+            scale,
+            settings,
+            sample,
+            light,
+        ),
         None => light,
     };
 

@@ -163,12 +163,12 @@ pub fn edges(
     };
     let hides_back = edges.is_solid && !is_inside(eye, edges, world_from_object);
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
-    let list: Vec<u32> = match part {
+    let mut list: Vec<u32> = match part {
         EdgePart::All => (0..edges.list.len() as u32).collect(),
         EdgePart::Silhouette => edges.silhouettes(viewer(eye, edges, world_from_object)),
         EdgePart::BesideSurface => outlines(eye, edges, world_from_object),
     };
-    let (mut list, whole) = (list, around_folds(eye, (edges, world_from_object), part));
+    let whole = around_folds(eye, (edges, world_from_object), part);
     list.retain(|number| whole.binary_search(number).is_err());
     let look = colored(plain(), data);
     let of_part = |list: &[u32], part: EdgePart| {

@@ -125,6 +125,12 @@ impl<'a> Extraction<'a> {
         }
     }
 
+    /// Is a cell inside of others, of whose faces this number is the first? Then that of the next cell.
+    fn passed_over(&self, cell: usize, number: usize, outer: &volumes::Outer) -> Option<usize> {
+        let next = number + self.face_count(cell)?;
+        (!outer.are_any(number..next)).then_some(next)
+    }
+
     /// Calls `each` with the number of corners and the nodes of every face of a volume.
     fn faces(shape: Shape, nodes: &[u32], mut each: impl FnMut(usize, &[u32])) {
         match shape {
@@ -160,10 +166,8 @@ impl<'a> Extraction<'a> {
                 let mut number = outer.first(chunk);
                 for cell in cells(chunk) {
                     // Nearly all volumes are inside.
-                    if let Some(faces) = self.face_count(cell)
-                        && !outer.are_any(number..number + faces)
-                    {
-                        number += faces;
+                    if let Some(next) = self.passed_over(cell, number, &outer) {
+                        number = next;
                         continue;
                     }
                     let (shape, all) = self.cell(cell, &mut buffer);
@@ -190,10 +194,8 @@ impl<'a> Extraction<'a> {
                 let mut builder = Builder::new(&self.data.points);
                 let (mut buffer, mut number) = ([0; 8], outer.first(chunk));
                 for cell in cells(chunk) {
-                    if let Some(faces) = self.face_count(cell)
-                        && !outer.are_any(number..number + faces)
-                    {
-                        number += faces;
+                    if let Some(next) = self.passed_over(cell, number, &outer) {
+                        number = next;
                         continue;
                     }
                     let (shape, nodes) = self.cell(cell, &mut buffer);
