@@ -290,22 +290,22 @@ fn check_polygons(mesh: Mesh, polygons: &[Vec<DVec3>], least_compared: usize) {
                 if !(1..corners.len()).all(|k| turn(k) * turn(0) > 0.0) {
                     continue;
                 }
-                // A line that begins at no corner of a triangle is not drawn there, and one that begins at a corner goes on beyond its
-                // other end: only narrow triangles of bent polygons are so near to one.
+                // A line that begins at no corner of a triangle is not drawn there, and one that begins at a corner has no round end at the
+                // other: only narrow triangles of bent polygons are so near to one.
                 let is_known = |k: usize| {
                     let corner = &polygons[hit.triangle][k % corners.len()];
                     is_flat || model.corners[hit.triangle].contains(corner)
                 };
                 let from_side = |k: usize| {
                     let (a, b) = side(k);
-                    let [least, most] = match [is_known(k), is_known(k + 1)] {
-                        [true, true] => [0.0, 1.0],
-                        [true, false] => [0.0, f64::INFINITY],
-                        [false, true] => [f64::NEG_INFINITY, 1.0],
-                        [false, false] => return f64::INFINITY,
+                    let along = (middle - a).dot(b - a) / a.distance_squared(b);
+                    let is_drawn = match [is_known(k), is_known(k + 1)] {
+                        [true, true] => true,
+                        [true, false] => along <= 1.0,
+                        [false, true] => along >= 0.0,
+                        [false, false] => false,
                     };
-                    let along = ((middle - a).dot(b - a) / a.distance_squared(b)).clamp(least, most);
-                    middle.distance(a.lerp(b, along))
+                    if is_drawn { middle.distance(a.lerp(b, along.clamp(0.0, 1.0))) } else { f64::INFINITY }
                 };
                 let distance = (0..corners.len()).map(from_side).fold(f64::INFINITY, f64::min);
                 if distance < 0.02 {
@@ -356,4 +356,65 @@ fn cover_of_polygons_is_that_of_the_distance_to_all_their_sides() {
     let (mesh, polygons) = polygons();
     assert!(matches!(Edges::of_mesh(&mesh, Selection::All).beyond, Beyond::Polygons(_)));
     check_polygons(mesh, &polygons, 2_000);
+}
+
+/// Lines of quadrilaterals that reach behind the viewer are as wide as others.
+#[test]
+fn cover_of_clipped_quadrilaterals_is_that_of_the_distance_to_their_sides() {
+    let mut mesh = Mesh::default();
+    for k in 0..24u16 {
+        let x = f32::from(k) * 0.25 - 3.0;
+        // Their diagonals run either way.
+        let mut corners = [[x, 0.0, 40.0], [x + 0.25, 0.0, 40.0], [x + 0.25, 0.0, -40.0], [x, 0.0, -40.0]];
+        corners.rotate_left(usize::from(k % 2));
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners);
+        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|k| first + k)));
+    }
+    mesh.face_of_triangle = Some((0..mesh.triangles.len() as u32).map(|t| t / 2).collect());
+    let edges = Edges::of_mesh(&mesh, Selection::All);
+    let model = Model::new(mesh);
+    let camera = Camera { near: Some(0.2), ..perspective([0.1, 1.2, 0.0], [0.3, 0.0, -3.0], 60.0) };
+    let forward = (camera.target - camera.eye).normalize();
+    for width in [1.0, 3.5] {
+        let lines = SurfaceEdges::new([255; 3], width, Some(edges.sides.clone()));
+        let lines = SurfaceEdges { beyond: edges.beyond.clone(), ..lines };
+        let found = model.picture_of(&camera, lines, SamplePattern::ALL[0]);
+        let width = f64::from(width);
+        let (mut compared, mut inked) = (0, 0);
+        for (i, corner) in pixels() {
+            let middle = DVec2::from(corner.map(|c| c + 0.5));
+            let (from, towards) = ray(&camera, SIZE, middle.to_array());
+            let Some(hit) = model.caster.first_hit(from.to_array(), towards.to_array(), 0.0) else {
+                continue;
+            };
+            let first = hit.triangle / 2 * 4;
+            let of_quad = &model.mesh.positions[first..first + 4];
+            let from_side = |k: usize| {
+                let ends = [at(of_quad[k]), at(of_quad[(k + 1) % 4])];
+                // What of it is in front of the viewer, which is all of the line on the picture.
+                let depth = ends.map(|p| forward.dot(p - camera.eye));
+                let part = |k: usize| {
+                    let share = ((0.5 - depth[k]) / (depth[1 - k] - depth[k])).max(0.0);
+                    if depth[k] < 0.5 { ends[k].lerp(ends[1 - k], share) } else { ends[k] }
+                };
+                if depth.iter().all(|depth| *depth < 0.5) {
+                    return f64::INFINITY;
+                }
+                let [a, b] = [0, 1].map(part).map(|p| on_picture(&camera, p));
+                (b - a).perp_dot(middle - a).abs() / a.distance(b)
+            };
+            let distance = (0..4).map(from_side).fold(f64::INFINITY, f64::min);
+            if distance < 0.02 {
+                continue;
+            }
+            let cover = (0.5 * width + 0.5 - distance).clamp(0.0, width.min(1.0));
+            // Where a triangle is clipped, distances are those of the slopes at the point, which perspective changes on the way.
+            let most = 0.02 + 0.06 * distance;
+            assert!((found[i] - cover).abs() < most, "{corner:?}: {}, expected {cover}", found[i]);
+            compared += 1;
+            inked += usize::from(cover > 0.3);
+        }
+        assert!(compared > 4_000 && inked > 400, "{compared} {inked}");
+    }
 }

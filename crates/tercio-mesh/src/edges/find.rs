@@ -116,7 +116,7 @@ pub fn edges(
     };
     let vertex = |t: u32, corner: u8| same[corners(t)[usize::from(corner)] as usize];
     let of_polygons = polygons::of_polygons(&sides, &joined, Corners { at, vertex }, &numbers, &positions);
-    let OfPolygons { beyond, bent } = of_polygons;
+    let OfPolygons { beyond, bent, slivers } = of_polygons;
     let vertex = |t: u32, corner: u8| numbers[vertex(t, corner) as usize];
     let bounds = positions
         .iter()
@@ -151,7 +151,7 @@ pub fn edges(
         let of_first = list[start..].iter().take_while(|edge| edge.triangle == *first);
         of_first.zip(start as u32..).find(|(edge, _)| is_it(edge)).map(|(_, number)| number)
     };
-    let folds = (!bent.is_empty()).then(|| {
+    let folds = (!bent.is_empty() || !slivers.is_empty()).then(|| {
         let edge =
             |BentSide { joined: Joined { triangles: [a, b], corners: [of_a, of_b] }, .. }: &BentSide| Edge {
                 ends: [vertex(*a, *of_a), vertex(*a, (of_a + 1) % 3)],
@@ -164,7 +164,8 @@ pub fn edges(
         let is_known = |edge: &Edge| !edge.ends.iter().chain(&edge.apexes).any(|&v| v == Edge::NONE);
         let all: Vec<(Edge, [u32; 4])> = bent.par_iter().map(|fold| (edge(fold), numbers(fold))).collect();
         let (list, edges) = all.into_iter().filter(|(edge, _)| is_known(edge)).unzip();
-        Box::new(Folds { sides: of_list(list), edges })
+        let slivers = slivers.into_par_iter().filter_map(number_of).collect();
+        Box::new(Folds { sides: of_list(list), edges, slivers })
     });
     Edges { sides, beyond, folds, ..of_list(list) }
 }

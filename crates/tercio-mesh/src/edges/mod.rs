@@ -202,13 +202,15 @@ impl FarEnds {
     }
 }
 
-/// Where polygons are bent.
+/// Where the line of an edge of a polygon may reach over more than the triangles that it begins at.
 #[derive(Clone, Debug)]
 pub struct Folds {
-    /// The sides of triangles at which they are, which are no edges, as edges.
+    /// The sides of triangles at which polygons are bent, by more than a degree, which are no edges, as edges.
     pub sides: Edges,
     /// For each of these the edges that begin at its ends and are of its polygon: their numbers in the list of edges, or [`Edge::NONE`].
     pub edges: Vec<[u32; 4]>,
+    /// The numbers of the edges of triangles without height.
+    pub slivers: Vec<u32>,
 }
 
 /// Edges with vertices of their own.
@@ -227,7 +229,7 @@ pub struct Edges {
     pub sides: Vec<u8>,
     /// If all edges are selected, where those of a polygon are, seen from each of its triangles.
     pub beyond: Beyond,
-    /// If polygons are bent by more than a degree, where.
+    /// Where polygons are bent by more than a degree, or have triangles without height.
     pub folds: Option<Box<Folds>>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.

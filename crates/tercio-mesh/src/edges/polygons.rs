@@ -37,6 +37,9 @@ pub struct OfPolygons {
     pub beyond: Beyond,
     /// The sides that are no edges at which a polygon is bent.
     pub bent: Vec<BentSide>,
+    /// The sides, by their first corners, of triangles without height that are edges, if [`Beyond::Ends`] are what is beyond: the
+    /// triangle beside one may have all of such an edge along its side, but none of its ends.
+    pub slivers: Vec<(u32, u8)>,
 }
 
 /// A side at which a polygon is bent.
@@ -59,7 +62,7 @@ where
     V: Fn(u32, u8) -> u32 + Sync,
 {
     if joined.is_empty() {
-        return OfPolygons { beyond: Beyond::Nothing, bent: Vec::new() };
+        return OfPolygons { beyond: Beyond::Nothing, bent: Vec::new(), slivers: Vec::new() };
     }
     let mut twins = vec![[NONE; 3]; sides.len()];
     for Joined { triangles: [a, b], corners: [of_a, of_b] } in joined {
@@ -83,7 +86,8 @@ where
     };
     let bent = joined.par_iter().zip(&is_bent).filter(|(_, is_bent)| **is_bent);
     let bent = bent.map(|(pair, _)| BentSide { joined: *pair, edges: edges_at_ends(pair, &far) }).collect();
-    OfPolygons { beyond, bent }
+    let slivers = if matches!(beyond, Beyond::Ends(_)) { polygons.edges_of_slivers() } else { Vec::new() };
+    OfPolygons { beyond, bent, slivers }
 }
 
 /// A side of a triangle, which runs from this corner to the next one.
@@ -223,6 +227,21 @@ impl<P: Fn(u32, u8) -> DVec3 + Sync, V: Fn(u32, u8) -> u32 + Sync> Polygons<'_, 
         let list: Vec<(u8, u32)> = self.triangles().into_par_iter().flat_map_iter(of_triangle).collect();
         let (sides, ends) = list.into_iter().unzip();
         FarEnds { first, sides, ends, positions }
+    }
+
+    /// [`OfPolygons::slivers`].
+    fn edges_of_slivers(&self) -> Vec<(u32, u8)> {
+        let of_triangle = |triangle: u32| {
+            let is_edge = move |from: &u8| self.twin(Side { triangle, from: *from }) == NONE;
+            let corners = [0, 1, 2].map(|corner| self.at(triangle, corner));
+            let is_sliver = (0..3).any(|k| {
+                let [a, b, c] = [0, 1, 2].map(|n| corners[(k + n) % 3]);
+                (b - a).cross(c - a).length() <= LEAST_HEIGHT * a.distance_squared(b)
+            });
+            let is_of_polygon = is_sliver && !(0..3).all(|from| is_edge(&from));
+            (0..if is_of_polygon { 3 } else { 0 }).filter(is_edge).map(move |from| (triangle, from))
+        };
+        self.triangles().into_par_iter().flat_map_iter(of_triangle).collect()
     }
 
     /// [`Beyond::Polygons`], of polygons that are flat; `None` if one has a reflex angle.

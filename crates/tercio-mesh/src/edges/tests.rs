@@ -312,3 +312,19 @@ fn only_polygons_have_edges_beyond_sides() {
     let Beyond::Polygons(numbers) = beyond(&around) else { panic!("a polygon") };
     assert!(numbers.iter().flatten().all(|pair| pair.contains(&0.0)), "{numbers:?}");
 }
+
+/// A polygon that touches itself has triangles with two vertices that no edge uses; one of them is bent.
+#[test]
+fn polygons_with_spurs_are_gone_round_once() {
+    let corners: Vec<[f32; 3]> =
+        (0..10u8).map(|k| [f32::from(k % 4), f32::from(k / 4), f32::from(k * k % 7) * 0.3]).collect();
+    let around: [u32; 16] = [3, 2, 1, 0, 9, 0, 4, 5, 7, 8, 7, 5, 6, 5, 4, 0];
+    for is_fan in [true, false] {
+        let positions: Vec<[f32; 3]> = around.iter().map(|&v| corners[v as usize]).collect();
+        let mesh = polygon(&positions, is_fan);
+        let edges = Edges::of_mesh(&mesh, Selection::All);
+        let Beyond::Ends(ends) = &edges.beyond else { panic!("a bent polygon") };
+        let all: Vec<_> = (0..mesh.triangles.len()).flat_map(|t| ends.of(t)).collect();
+        assert!(!all.is_empty() && all.iter().all(|far| positions.contains(&far.position)));
+    }
+}

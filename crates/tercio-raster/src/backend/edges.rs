@@ -103,8 +103,9 @@ fn clipped_lines<S: Simd>(
 struct FarLines<S: Simd> {
     /// Their edge functions at the points, with their slopes.
     line: Vec3x16<S>,
-    /// The points are not behind the beginnings: those are as near to the sides of the triangles there.
-    is_before: mask32x16<S>,
+    /// The points are beside the lines: behind the beginning they are as near to the sides of the triangles there, and behind the far end there
+    /// is no line, unless it is behind the viewer.
+    is_beside: mask32x16<S>,
     /// The far ends are on the other side of the sides.
     is_beyond: mask32x16<S>,
 }
@@ -130,8 +131,10 @@ impl<S: Simd> OnScreen<S> {
         let inwards = right * x + down * y;
         let inwards = whole.simd_lt(zero).select(-inwards, inwards);
         let snapped = (right.abs() + down.abs()) * (to[2].abs() * SNAPPED);
-        let is_before = (of_x * x + of_y * y).simd_ge(zero);
-        FarLines { line: [of_x * y - of_y * x, y, -x], is_before, is_beyond: inwards.simd_lt(snapped) }
+        let along = of_x * x + of_y * y;
+        let is_ended = (along * to[2]).simd_gt(y * y + x * x) & to[2].simd_gt(zero);
+        let is_beside = along.simd_ge(zero) & !is_ended;
+        FarLines { line: [of_x * y - of_y * x, y, -x], is_beside, is_beyond: inwards.simd_lt(snapped) }
     }
 }
 
@@ -190,7 +193,7 @@ fn blend<S: Simd>(
                     for end in [1, 2] {
                         let from = [after_i(&is_side, &screen.x, end), after_i(&is_side, &screen.y, end)];
                         let far = screen.lines(&to, from, slope, whole);
-                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_before);
+                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_beside);
                     }
                 }
                 Beyond::Ends(ends) => {
@@ -208,7 +211,7 @@ fn blend<S: Simd>(
                         let slope = [after(&is_side, &slopes[0], 0), after(&is_side, &slopes[1], 0)];
                         let far = screen.lines(&to, [from_x, from_y], slope, whole);
                         let is_there = inside & place.simd_ge(splat_i(simd, 0));
-                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_before);
+                        nearest.add(far.line, [x, y], is_there & far.is_beyond & far.is_beside);
                     }
                 }
                 Beyond::Polygons(all) => {

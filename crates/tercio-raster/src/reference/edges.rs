@@ -45,8 +45,11 @@ pub fn over(
         let inwards = right[side] * x + down[side] * y;
         let inwards = if whole < 0.0 { -inwards } else { inwards };
         let snapped = (right[side].abs() + down[side].abs()) * (to[2].abs() * SNAPPED);
-        // A point behind the end is as near to the sides of the triangle there.
-        if inwards < snapped && of_x * x + of_y * y >= 0.0 {
+        // A point behind the beginning is as near to the sides of the triangle there; behind the far end there is no line, unless it is
+        // behind the viewer.
+        let along = of_x * x + of_y * y;
+        let is_beside = along >= 0.0 && (along * to[2] <= y * y + x * x || to[2] <= 0.0);
+        if inwards < snapped && is_beside {
             line(of_x * y - of_y * x, y, -x);
         }
     };

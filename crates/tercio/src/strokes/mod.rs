@@ -199,8 +199,8 @@ fn outlines(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> Vec<u32> 
     }
 }
 
-/// The numbers of the edges, in order, whose lines may reach over an outline that is no edge but the fold of a bent polygon: half of such a
-/// line is on no triangle.
+/// The numbers of the edges, in order, whose lines may reach over an outline that is no edge but the fold of a bent polygon, so that half of
+/// such a line is on no triangle, and of those whose triangles have no height.
 fn around_folds(eye: &Eye, (edges, world_from_object): (&Edges, &DAffine3), part: EdgePart) -> Vec<u32> {
     let Some(folds) = edges.folds.as_deref().filter(|_| part == EdgePart::BesideSurface) else {
         return Vec::new();
@@ -208,6 +208,7 @@ fn around_folds(eye: &Eye, (edges, world_from_object): (&Edges, &DAffine3), part
     let of_fold = |fold: u32| folds.edges[fold as usize].into_iter().filter(|&edge| edge != Edge::NONE);
     let mut list: Vec<u32> =
         outlines(eye, &folds.sides, world_from_object).into_iter().flat_map(of_fold).collect();
+    list.extend(&folds.slivers);
     list.sort_unstable();
     list.dedup();
     list

@@ -137,6 +137,25 @@ fn walls_of_cavities_are_not_outward() {
     inner.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert_eq!(of(&both(&inner)), (true, false));
     assert_eq!(of(&inner), (true, false));
+    // One that touches another in a vertex, or in an edge.
+    let cube = |from: [f32; 3], is_inside_out: bool| {
+        let positions =
+            (0..8u8).map(|k| [0, 1, 2].map(|axis| from[axis] + f32::from(k >> axis & 1))).collect();
+        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let triangles = halves.map(|[a, b, c]| if is_inside_out { [a, c, b] } else { [a, b, c] }).collect();
+        Mesh { positions, triangles, ..Mesh::default() }
+    };
+    let outer = cube([0.0; 3], false);
+    let beside = |from: [f32; 3], is_inside_out: bool| {
+        let (mut both, other) = (outer.clone(), cube(from, is_inside_out));
+        both.positions.extend(other.positions);
+        both.triangles.extend(other.triangles.iter().map(|t| t.map(|v| 8 + v)));
+        of(&both)
+    };
+    assert_eq!(of(&outer), (true, true));
+    assert_eq!([false, true].map(|turned| beside([1.0; 3], turned)), [(true, true), (true, false)]);
+    assert_eq!([false, true].map(|turned| beside([1.0, 1.0, 0.0], turned)), [(true, false); 2]);
     inner.triangles.pop();
     assert_eq!(of(&inner), (false, false));
 }
