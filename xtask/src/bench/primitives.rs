@@ -64,22 +64,23 @@ const PRIMITIVES: [Primitive; 38] = [
 /// Quadrilaterals along each side of [`QUADRILATERALS`].
 const CELLS: usize = 400;
 
-/// A wave of flat quadrilaterals, a file.
-const QUADRILATERALS: &str = "quadrilaterals.obj";
+/// Waves of flat quadrilaterals, and of bent ones: files.
+const QUADRILATERALS: [&str; 2] = ["quadrilaterals.obj", "bent_quadrilaterals.obj"];
 
 /// What is drawn of the quadrilaterals: all else is that of triangles.
-const OF_QUADRILATERALS: [Primitive; 5] = [
+const OF_QUADRILATERALS: [Primitive; 6] = [
     ("edges on the surface", "--edges", Some(1.5)),
     ("edges on the surface, translucent", "--edges --edge-color #20242880", None),
     ("silhouette on the surface", "--edges=silhouette", Some(1.5)),
     ("edges and data", "--edges --color-by @elevation --no-bar", None),
+    ("hidden lines removed", "--mode hidden-line", None),
     ("silhouette alone", "--mode edges --edges=silhouette", None),
 ];
 
 /// What pictures of a model take.
 #[derive(Clone, Copy)]
 struct Counted {
-    /// Before the first one, and after the last.
+    /// Before the first one, after the last, and for the first three more than for others.
     once: u64,
     /// For each.
     picture: u64,
@@ -99,13 +100,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report.note(
         "Instructions of `tercio render MODEL OPTIONS --size 1024x1024 -o picture_{}.ppm`, in one thread at the AVX2 level, \
          4 samples per pixel, counted by callgrind: they are the same in every run, and do not show waiting for memory. One \
-         picture is half of what a turntable of three takes more than a turntable of one; what is left of the latter is \
+         picture is half of what a turntable of five takes more than a turntable of three; what is left of the latter is \
          taken once, for loading the model and finding edges, points and ranges. Writing the picture is in all of them.",
     );
     let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join(QUADRILATERALS), quadrilaterals())?;
+    for (name, is_bent) in QUADRILATERALS.into_iter().zip([false, true]) {
+        std::fs::write(folder.path().join(name), quadrilaterals(is_bent))?;
+    }
     let of_triangles = MODELS.map(|model| (model, &PRIMITIVES[..]));
-    for (model, primitives) in of_triangles.into_iter().chain([(QUADRILATERALS, &OF_QUADRILATERALS[..])]) {
+    let of_quadrilaterals = QUADRILATERALS.map(|model| (model, &OF_QUADRILATERALS[..]));
+    for (model, primitives) in of_triangles.into_iter().chain(of_quadrilaterals) {
         let count = |(what, options, _): Primitive| {
             counted(&program, model, options, folder.path()).with_context(|| format!("{model}: {what}"))
         };
@@ -143,18 +147,20 @@ fn counted(program: &Path, model: &str, options: &str, folder: &Path) -> Result<
         all.extend(options.split_whitespace());
         callgrind::count(program, &all, folder)
     };
-    let (one, three) = (run("1")?, run("3")?);
-    let picture = three.saturating_sub(one) / 2;
-    Ok(Counted { once: one.saturating_sub(picture), picture })
+    // What is made in the third picture, because several are drawn, is taken once.
+    let (three, five) = (run("3")?, run("5")?);
+    let picture = five.saturating_sub(three) / 2;
+    Ok(Counted { once: three.saturating_sub(3 * picture), picture })
 }
 
-/// The file of [`QUADRILATERALS`]: heights depend on one coordinate only, so all are flat.
-fn quadrilaterals() -> String {
+/// A file of [`QUADRILATERALS`]: if heights depend on one coordinate only, all are flat.
+fn quadrilaterals(is_bent: bool) -> String {
     let mut text = String::new();
     let all = || (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (row, column)));
     for (row, column) in all() {
         let [x, y] = [column, row].map(|k| k as f64 / CELLS as f64 * 4.0 - 2.0);
-        let _ = writeln!(text, "v {x:.6} {y:.6} {:.6}", 0.4 * (3.0 * x).sin());
+        let height = 0.4 * (3.0 * x).sin() * if is_bent { (2.5 * y).cos() } else { 1.0 };
+        let _ = writeln!(text, "v {x:.6} {y:.6} {height:.6}");
     }
     for (row, column) in all().filter(|(row, column)| *row < CELLS && *column < CELLS) {
         let a = row * (CELLS + 1) + column + 1;
