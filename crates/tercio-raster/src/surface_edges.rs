@@ -78,29 +78,52 @@ pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
 /// snapped to either.
 pub const SNAPPED: f32 = 2.0;
 
-/// Of the lines to far ends ([`Beyond::Quadrilaterals`], [`Beyond::Ends`]) of a triangle that is clipped, the nearest one to a point: its distance
-/// in sub-pixels, and how far the point is from the middle of the pixel across it. `sides` are those with lines of their own, `positions` its
-/// corners; `area` are barycentric coordinates, followed by their slopes; `x` and `y` are from the middle of the pixel.
+/// The line that is nearest to a point. The kernels do the same lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Nearest {
+    /// Its distance in sub-pixels.
+    pub distance: f32,
+    /// How far the point is from the middle of the pixel across it.
+    pub across: f32,
+}
+
+impl Nearest {
+    /// No line.
+    pub const NONE: Self = Self { distance: f32::INFINITY, across: 0.0 };
+
+    /// Adds a line, given by the value of its edge function and the changes of this to the right and downwards; the point is so far from
+    /// the middle of the pixel.
+    pub fn add(&mut self, [value, right, down]: [f32; 3], [x, y]: [f32; 2]) {
+        let inverse = 1.0 / (right * right + down * down).sqrt();
+        let across = (x * right + y * down).abs() * inverse;
+        self.take(Self { distance: value.abs() * inverse, across });
+    }
+
+    /// The nearer one of both; this one if they are as near.
+    pub fn take(&mut self, other: Self) {
+        if other.distance < self.distance {
+            *self = other;
+        }
+    }
+}
+
+/// Of the lines to far ends ([`Beyond::Quadrilaterals`], [`Beyond::Ends`]) of a triangle that is clipped, the nearest one to a point. `sides` are those with lines of their own, `positions` its
+/// corners; `area` are barycentric coordinates, followed by their slopes.
 pub fn nearest_of_clipped(
     edges: &SurfaceEdges,
     (triangle, sides): (usize, u8),
     positions: [[f32; 3]; 3],
     [area, right, down]: [[f32; 3]; 3],
-    [x, y]: [f32; 2],
-) -> [f32; 2] {
-    let mut nearest = [f32::INFINITY, 0.0];
+    from_middle: [f32; 2],
+) -> Nearest {
+    let mut nearest = Nearest::NONE;
     let at = |p: [f32; 3]| DVec3::from(p.map(f64::from));
     let mut to_far_end = |side: usize, end: usize, far: [f32; 3]| {
         let [pivot, beside] = [end, 1 - end].map(|end| (side + 1 + end) % 3);
         let [from, other, apex] = [pivot, beside, side].map(|corner| at(positions[corner]));
         let Some(place) = place(from, other, apex, at(far)).filter(|place| *place > 0.0) else { return };
         let of = |v: [f32; 3]| v[side] * place + v[beside];
-        let (value, right, down) = (of(area), of(right), of(down));
-        let inverse = 1.0 / (right * right + down * down).sqrt();
-        let distance = value.abs() * inverse;
-        if distance < nearest[0] {
-            nearest = [distance, (x * right + y * down).abs() * inverse];
-        }
+        nearest.add([of(area), of(right), of(down)], from_middle);
     };
     match &edges.beyond {
         Beyond::Nothing | Beyond::Polygons(_) => {}

@@ -53,10 +53,15 @@ impl Model {
         Self { mesh, corners, caster }
     }
 
+    /// The triangle that is seen at a point of the picture.
+    fn seen(&self, camera: &Camera, at: [f64; 2]) -> Option<usize> {
+        let (from, towards) = ray(camera, SIZE, at);
+        Some(self.caster.first_hit(from.to_array(), towards.to_array(), 0.0)?.triangle)
+    }
+
     /// The distance of a point of the picture from the nearest of these sides of the triangle that is seen there, in pixels.
     fn distance(&self, camera: &Camera, at: [f64; 2], sides: impl Fn(usize) -> u8) -> Option<f64> {
-        let (from, towards) = ray(camera, SIZE, at);
-        let triangle = self.caster.first_hit(from.to_array(), towards.to_array(), 0.0)?.triangle;
+        let triangle = self.seen(camera, at)?;
         let corners = self.corners[triangle].map(|p| on_picture(camera, p));
         let from_side = |k: usize| {
             let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
@@ -275,12 +280,8 @@ fn check_polygons(mesh: Mesh, polygons: &[Vec<DVec3>], least_compared: usize) {
             let (mut compared, mut lines) = (0, 0);
             for (i, corner) in pixels() {
                 let middle = DVec2::from(corner.map(|c| c + 0.5));
-                let (from, towards) = ray(&camera, SIZE, middle.to_array());
-                let Some(hit) = model.caster.first_hit(from.to_array(), towards.to_array(), 0.0) else {
-                    continue;
-                };
-                let corners: Vec<_> =
-                    polygons[hit.triangle].iter().map(|&p| on_picture(&camera, p)).collect();
+                let Some(triangle) = model.seen(&camera, middle.to_array()) else { continue };
+                let corners: Vec<_> = polygons[triangle].iter().map(|&p| on_picture(&camera, p)).collect();
                 let side = |k: usize| (corners[k % corners.len()], corners[(k + 1) % corners.len()]);
                 // A bent polygon may be folded on the picture: part of it may hide another, and lines that lead there.
                 let turn = |k: usize| {
@@ -293,8 +294,8 @@ fn check_polygons(mesh: Mesh, polygons: &[Vec<DVec3>], least_compared: usize) {
                 // A line that begins at no corner of a triangle is not drawn there, and one that begins at a corner has no round end at the
                 // other: only narrow triangles of bent polygons are so near to one.
                 let is_known = |k: usize| {
-                    let corner = &polygons[hit.triangle][k % corners.len()];
-                    is_flat || model.corners[hit.triangle].contains(corner)
+                    let corner = &polygons[triangle][k % corners.len()];
+                    is_flat || model.corners[triangle].contains(corner)
                 };
                 let from_side = |k: usize| {
                     let (a, b) = side(k);
@@ -384,11 +385,8 @@ fn cover_of_clipped_quadrilaterals_is_that_of_the_distance_to_their_sides() {
         let (mut compared, mut inked) = (0, 0);
         for (i, corner) in pixels() {
             let middle = DVec2::from(corner.map(|c| c + 0.5));
-            let (from, towards) = ray(&camera, SIZE, middle.to_array());
-            let Some(hit) = model.caster.first_hit(from.to_array(), towards.to_array(), 0.0) else {
-                continue;
-            };
-            let first = hit.triangle / 2 * 4;
+            let Some(triangle) = model.seen(&camera, middle.to_array()) else { continue };
+            let first = triangle / 2 * 4;
             let of_quad = &model.mesh.positions[first..first + 4];
             let from_side = |k: usize| {
                 let ends = [at(of_quad[k]), at(of_quad[(k + 1) % 4])];

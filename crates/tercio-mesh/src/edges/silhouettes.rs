@@ -75,7 +75,8 @@ impl Edges {
             .flat_map_iter(|numbers| {
                 let mut on = Vec::new();
                 self.for_each_corners(numbers, |number, corners| {
-                    let is_hidden = only_convex && is_concave(corners, edge_on);
+                    // Cones have left out concave edges already.
+                    let is_hidden = only_convex && cones.is_none() && is_concave(corners, edge_on);
                     if !is_hidden && !is_between(corners, viewer, edge_on) {
                         on.push(number);
                     }

@@ -94,7 +94,7 @@ fn clipped_lines<S: Simd>(
         let from_middle = from_middle.map(|axis| axis[lane] as f32);
         let sides = edges.sides_of(triangle);
         let found = nearest_of_clipped(edges, (triangle as usize, sides), positions, of, from_middle);
-        [nearest[0][lane], nearest[1][lane]] = found;
+        (nearest[0][lane], nearest[1][lane]) = (found.distance, found.across);
     }
     nearest
 }
@@ -238,9 +238,7 @@ fn blend<S: Simd>(
             if let Some(clipped) = screen.and_then(|screen| screen.clipped.as_ref()) {
                 let [distance, across] =
                     [f32x16::load_array_ref(simd, &clipped[0]), f32x16::load_array_ref(simd, &clipped[1])];
-                let is_nearer = distance.simd_lt(nearest.distance);
-                nearest.distance = is_nearer.select(distance, nearest.distance);
-                nearest.across = is_nearer.select(across, nearest.across);
+                nearest.take(distance, across, distance.simd_lt(nearest.distance));
             }
             let Nearest { distance: nearest, across } = nearest;
             let Footprint { size, shrinking, least } = context.footprint;
@@ -306,9 +304,15 @@ impl<S: Simd> Nearest<S> {
         let ([value, right, down], simd) = (line, x.simd);
         let inverse = splat(simd, 1.0) / (right * right + down * down).sqrt();
         let distance = value.abs() * inverse;
-        let is_nearer = is_line & distance.simd_lt(self.distance);
+        let across = (x * right + y * down).abs() * inverse;
+        self.take(distance, across, is_line & distance.simd_lt(self.distance));
+    }
+
+    /// Takes other lines in some lanes.
+    #[inline(always)]
+    fn take(&mut self, distance: f32x16<S>, across: f32x16<S>, is_nearer: mask32x16<S>) {
         self.distance = is_nearer.select(distance, self.distance);
-        self.across = is_nearer.select((x * right + y * down).abs() * inverse, self.across);
+        self.across = is_nearer.select(across, self.across);
     }
 }
 

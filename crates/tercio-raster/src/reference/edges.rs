@@ -6,7 +6,7 @@ use tercio_scene::SurfaceEdges;
 use super::shading::{Vec3, each, shading_distance, shown};
 use crate::conventions::SUBPIXELS;
 use crate::settings::Settings;
-use crate::surface_edges::{Footprint, PIXELS, SNAPPED, apex_of, nearest_of_clipped};
+use crate::surface_edges::{Footprint, Nearest, PIXELS, SNAPPED, apex_of, nearest_of_clipped};
 use crate::view::ObjectView;
 
 /// Light with the lines over it. `area` and its change from one sub-pixel to the next are those of the sides, and `scale` what makes them
@@ -22,21 +22,15 @@ pub fn over(
     sample: [i32; 2],
     light: Vec3,
 ) -> Vec3 {
-    let [x, y] = sample.map(|c| (c.rem_euclid(SUBPIXELS) - SUBPIXELS / 2) as f32);
+    let from_middle = sample.map(|c| (c.rem_euclid(SUBPIXELS) - SUBPIXELS / 2) as f32);
     let sides = edges.sides_of(triangle as u32);
     let projected = positions.map(|p| object.project(p));
-    let (mut nearest, mut across) = (f32::INFINITY, 0.0);
-    let mut line = |area: f32, right: f32, down: f32| {
-        let inverse = 1.0 / (right * right + down * down).sqrt();
-        let distance = area.abs() * inverse;
-        if distance < nearest {
-            (nearest, across) = (distance, (x * right + y * down).abs() * inverse);
-        }
-    };
-    (0..3).filter(|k| sides >> k & 1 == 1).for_each(|k| line(area[k], right[k], down[k]));
+    let mut nearest = Nearest::NONE;
+    let own = (0..3).filter(|k| sides >> k & 1 == 1);
+    own.for_each(|k| nearest.add([area[k], right[k], down[k]], from_middle));
     // The line from an end of a side to a point that is on the other side of the side. Homogeneous coordinates hold wherever the point is.
     let whole = (area[0] + area[1]) + area[2];
-    let to_far_end = |line: &mut dyn FnMut(f32, f32, f32), side: usize, end: usize, position: Vec3| {
+    let to_far_end = |side: usize, end: usize, position: Vec3| {
         let corner = projected[(side + 1 + end) % 3];
         let to = object.homogeneous(position);
         let from = [(corner.x - object.offset[0]) as f32, (corner.y - object.offset[1]) as f32];
@@ -49,23 +43,19 @@ pub fn over(
         // behind the viewer.
         let along = of_x * x + of_y * y;
         let is_beside = along >= 0.0 && (along * to[2] <= y * y + x * x || to[2] <= 0.0);
-        if inwards < snapped && is_beside {
-            line(of_x * y - of_y * x, y, -x);
-        }
+        (inwards < snapped && is_beside).then_some([of_x * y - of_y * x, y, -x])
     };
     let is_clipped = projected.iter().any(|corner| !corner.inside);
     match &edges.beyond {
         Beyond::Nothing => {}
         Beyond::Quadrilaterals(_) | Beyond::Ends(_) if is_clipped => {
             let of = [area, right, down];
-            let clipped = nearest_of_clipped(edges, (triangle, sides), positions, of, [x, y]);
-            if clipped[0] < nearest {
-                [nearest, across] = clipped;
-            }
+            nearest.take(nearest_of_clipped(edges, (triangle, sides), positions, of, from_middle));
         }
         Beyond::Quadrilaterals(fourth) => {
             if let Some(position) = fourth.of(triangle) {
-                (0..2).for_each(|end| to_far_end(&mut line, apex_of(sides), end, position));
+                let lines = (0..2).filter_map(|end| to_far_end(apex_of(sides), end, position));
+                lines.for_each(|line| nearest.add(line, from_middle));
             }
         }
         // Functions of the lines beyond the side opposite to a corner, which are linear combinations of those of the sides.
@@ -75,17 +65,18 @@ pub fn over(
                     let beside = (apex + 1 + n) % 3;
                     let (by_apex, by_beside) = (place * scale[apex], scale[beside]);
                     let of = |v: Vec3| v[apex] * by_apex + v[beside] * by_beside;
-                    line(of(area), of(right), of(down));
+                    nearest.add([of(area), of(right), of(down)], from_middle);
                 }
             }
         }
         Beyond::Ends(ends) => {
-            for far in ends.of(triangle) {
-                to_far_end(&mut line, far.side.into(), far.end.into(), far.position);
-            }
+            let all = ends.of(triangle);
+            let lines = all.filter_map(|far| to_far_end(far.side.into(), far.end.into(), far.position));
+            lines.for_each(|line| nearest.add(line, from_middle));
         }
     }
     let Footprint { size, shrinking, least } = Footprint::new(settings, shading_distance(settings));
+    let Nearest { distance: nearest, across } = nearest;
     let extent = (size - across * shrinking).max(least);
     let covered = (edges.width * 0.5 - nearest * PIXELS) + extent * 0.5;
     let cover = covered.max(0.0).min(edges.width.min(extent)) / extent * edges.opacity;
